@@ -1,0 +1,160 @@
+#!/usr/bin/env python3
+"""The developer's entrance: sets up what it needs in `.venv` and runs the demo, tests, checks, benchmarks and builds.
+
+Needs nothing but Python 3.11 or 3.13 with venv and pip.
+"""
+
+import argparse
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import venv
+from collections.abc import Sequence
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent
+PYTHONS = {"4.5": "3.11", "5.0": "3.11", "5.2": "3.13"}
+"""Blender version to the Python of its bpy wheel."""
+SYSTEM_LIBRARIES = (
+    "libgl1 libegl1 libgl1-mesa-dri libx11-6 libxi6 libxrender1 libxfixes3 libxkbcommon0 libsm6 libxxf86vm1"
+)
+
+
+def main() -> int:
+    """Run the command that was asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    demo = commands.add_parser("demo", help="retarget a clip onto rigs; write a .blend and a contact sheet of each")
+    demo.add_argument("clip", nargs="?", help="your own clip (BVH, FBX, GLB, VRM, .blend) instead of the sample")
+    demo.add_argument("rig", nargs="?", help="your own rig instead of the samples")
+    test = commands.add_parser("test", help="run the tests")
+    test.add_argument("--blender", default="default", choices=["default", *PYTHONS, "all"], help="version to test with")
+    test.add_argument("pytest", nargs="*", help="passed on to pytest, after --")
+    commands.add_parser("check", help="lint and type-check")
+    bench = commands.add_parser("bench", help="measure accuracy and speed, print a table")
+    bench.add_argument("names", nargs="*", help="which benchmarks; all when none is named")
+    bench.add_argument("--json", help="also write the figures to this file")
+    bench.add_argument("--blender", default="default", choices=["default", *PYTHONS], help="version to measure with")
+    commands.add_parser("build", help="validate and build the extension, validate the zip")
+    arguments = parser.parse_args()
+    return {"demo": _demo, "test": _test, "check": _check, "bench": _bench, "build": _build}[arguments.command](
+        arguments
+    )
+
+
+def _demo(arguments: argparse.Namespace) -> int:
+    given = [str(Path(p).absolute()) for p in (arguments.clip, arguments.rig) if p]
+    return _run([_blender(_default()), "-m", "tools.demo", *given])
+
+
+def _test(arguments: argparse.Namespace) -> int:
+    versions = list(PYTHONS) if arguments.blender == "all" else [_version(arguments.blender)]
+    failed = [v for v in versions if _run([_blender(v), "-m", "pytest", *arguments.pytest], f"Blender {v}")]
+    if failed:
+        print(f"failed with Blender {', '.join(failed)}", file=sys.stderr)
+    return 1 if failed else 0
+
+
+def _check(_: argparse.Namespace) -> int:
+    python = _environment("check", sys.executable)
+    steps = (["ruff", "check", "."], ["ruff", "format", "--check", "."], ["pyright", "--pythonpath", python])
+    return max([_run([python, "-m", *step], " ".join(step[:2])) for step in steps])
+
+
+def _bench(arguments: argparse.Namespace) -> int:
+    extra = ["--json", str(Path(arguments.json).absolute())] if arguments.json else []
+    return _run([_blender(_version(arguments.blender)), "-m", "tests.bench", *arguments.names, *extra])
+
+
+def _build(_: argparse.Namespace) -> int:
+    tool = "import sys, bpy; from bl_pkg.bl_extension_cli import cli_extension_handler as e; sys.exit(e(sys.argv[1:]))"
+    python, out = _blender(_default()), ROOT / "dist"
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir()
+    if _run([python, "-c", tool, "validate", "."]) or _run(
+        [python, "-c", tool, "build", "--source-dir", ".", "--output-dir", "dist"]
+    ):
+        return 1
+    built = next(out.glob("*.zip"))
+    print(f"built {built.relative_to(ROOT)}")
+    return _run([python, "-c", tool, "validate", str(built)])
+
+
+def _default() -> str:
+    running = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return next((v for v, python in PYTHONS.items() if python == running), "5.2")
+
+
+def _version(asked: str) -> str:
+    return _default() if asked == "default" else asked
+
+
+def _blender(version: str) -> str:
+    """Return the Python of the environment with Blender ``version``, set up if it was not."""
+    python = _environment(f"blender-{version}", _interpreter(PYTHONS[version]))
+    if subprocess.run([python, "-c", "import bpy"], capture_output=True, check=False).returncode:
+        sys.exit(f"Blender {version} does not start: on Debian or Ubuntu, apt-get install {SYSTEM_LIBRARIES}")
+    return python
+
+
+def _interpreter(version: str) -> str:
+    """Return a Python interpreter of ``version``."""
+    if sys.version_info[:2] == tuple(map(int, version.split("."))):
+        return sys.executable
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
+    candidates = [
+        shutil.which(f"python{version}"),
+        *sorted(map(str, pyenv.glob(f"{version}*/bin/python")), reverse=True),
+    ]
+    for candidate in filter(None, candidates):
+        if (
+            subprocess.run([candidate, "-c", "import venv, ensurepip"], capture_output=True, check=False).returncode
+            == 0
+        ):
+            return candidate
+    sys.exit(f"Python {version} with venv is needed for this Blender: install it, or name another with --blender")
+
+
+def _environment(name: str, interpreter: str) -> str:
+    """Return the Python of a virtual environment that holds what `requirements/NAME.txt` pins."""
+    wanted = ROOT / "requirements" / f"{name}.txt"
+    folder = ROOT / ".venv" / name
+    python, stamp = folder / "bin" / "python", folder / "requirements.sha256"
+    if os.name == "nt":
+        python = folder / "Scripts" / "python.exe"
+    digest = hashlib.sha256(wanted.read_bytes()).hexdigest()
+    if python.exists() and stamp.exists() and stamp.read_text() == digest:
+        return str(python)
+    print(f"setting up .venv/{name} …", flush=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    if interpreter == sys.executable:
+        venv.create(folder, with_pip=True)
+    else:
+        subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
+    pip = [
+        str(python),
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+        "--no-deps",
+        "-r",
+        str(wanted),
+    ]
+    if subprocess.run(pip, check=False).returncode:
+        sys.exit(f"pip could not install {wanted.relative_to(ROOT)}: see above")
+    stamp.write_text(digest)
+    return str(python)
+
+
+def _run(command: Sequence[str], title: str = "") -> int:
+    if title:
+        print(f"── {title}", flush=True)
+    return subprocess.run(command, cwd=ROOT, check=False).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
