@@ -1,0 +1,1 @@
+"""Tools for developers: sample characters and clips, contact sheets, pictures for the documentation."""
