@@ -1,0 +1,77 @@
+"""Joint maps as data: what `map --json` prints, what presets hold, and what users write by hand.
+
+Three forms are read: the output of ``map --json``, ``{"joints": {"hips": "Bone"}}``, and plain ``{"hips": "Bone"}``.
+An empty bone says that the rig has no such joint. Nothing in a map is ever executed.
+"""
+
+import json
+from collections.abc import Mapping
+from typing import Any, cast
+
+from ..errors import MappingError
+from .character import Character
+from .joints import PARENTS
+
+FORMAT = 1
+"""Version of the form that presets are written in."""
+
+
+def parse(text: str, origin: str) -> dict[str, str]:
+    """Return the joints of a map, joint to bone.
+
+    Args:
+        text: JSON.
+        origin: Where it came from, for messages.
+
+    Raises:
+        MappingError: It is no JSON, or no joint map.
+    """
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise MappingError(
+            f"{origin}: line {error.lineno} is no JSON ({error.msg}): mend it or save the map again"
+        ) from error
+    table: Any = cast("dict[str, Any]", data).get("joints", data) if isinstance(data, dict) else None
+    if not isinstance(table, dict):
+        raise MappingError(f'{origin}: is no joint map: it should look like {{"joints": {{"hips": "Bone"}}}}')
+    out: dict[str, str] = {}
+    for joint, entry in cast("dict[str, Any]", table).items():
+        bone: Any = cast("dict[str, Any]", entry).get("bone") if isinstance(entry, dict) else entry
+        if joint not in PARENTS:
+            raise MappingError(
+                f"{origin}: unknown joint {joint!r}: use VRM 1.0 names such as {', '.join(list(PARENTS)[:6])}"
+            )
+        if bone is not None and not isinstance(bone, str):
+            raise MappingError(f"{origin}: joint {joint} is mapped to {bone!r}: give the name of a bone")
+        out[joint] = bone or ""
+    return out
+
+
+def preset(joints: Mapping[str, str]) -> str:
+    """Return joints, joint to bone, as the text of a preset."""
+    return json.dumps({"format": FORMAT, "joints": dict(joints)}, indent=2, ensure_ascii=False) + "\n"
+
+
+def describe(name: str, character: Character) -> dict[str, Any]:
+    """Return what a rig is as plain data: the output of ``map --json``."""
+    frame = character.frame
+    return {
+        "rig": name,
+        "bones": len(character.skeleton),
+        "frame": {
+            "up": _rounded(frame.up.tolist()),
+            "forward": _rounded(frame.forward.tolist()),
+            "height": round(frame.height, 4),
+        },
+        "joints": {
+            joint: {"bone": m.bone, "confidence": m.confidence, "by": m.by} for joint, m in character.joints.items()
+        },
+        "capabilities": {bone: [c.value for c in found] for bone, found in character.capabilities.items()},
+        "unmapped": character.unmapped,
+    }
+
+
+def _rounded(values: list[float]) -> list[float]:
+    # Adding zero turns -0.0 into 0.0.
+    return [round(v, 4) + 0.0 for v in values]
