@@ -1,0 +1,46 @@
+"""What a retarget reports about each pair, as plain data."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from .mocap.measure import Measures
+from .mocap.plan import Plan
+
+
+def describe(
+    source: str,
+    target: str,
+    frames: int,
+    seconds_per_stage: Mapping[str, float],
+    plan: Plan,
+    measures: Measures,
+    warnings: Sequence[str],
+) -> dict[str, Any]:
+    """Return the report of one pair; all lengths in the target's metres.
+
+    Args:
+        source: Name of the clip.
+        target: Name of the rig.
+        frames: Frames transferred.
+        seconds_per_stage: Time that each stage took [s].
+        plan: Of the pair.
+        measures: Of the result.
+        warnings: What the user should know.
+    """
+    return {
+        "source": source,
+        "target": target,
+        "frames": frames,
+        "seconds_per_stage": {stage: round(seconds, 5) for stage, seconds in seconds_per_stage.items()},
+        "joints_mapped": len(plan.links),
+        "bone_direction_error_deg": _spread(measures.direction),
+        "bone_twist_error_deg": _spread(measures.twist),
+        "foot_slide_m_per_s": {"source": round(measures.slide_source, 5), "target": round(measures.slide_target, 5)},
+        "ground_penetration_m": {"max": round(measures.penetration, 5)},
+        "pose_jump_deg": {"max": round(measures.jump_target, 3), "source_max": round(measures.jump_source, 3)},
+        "warnings": list(warnings),
+    }
+
+
+def _spread(values: Any) -> dict[str, float]:
+    return {name: round(getattr(values, name), 4) for name in ("mean", "median", "p95", "max")}
