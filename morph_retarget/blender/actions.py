@@ -1,0 +1,183 @@
+"""Actions as arrays: slots, channelbags and F-curves, read and written in bulk."""
+
+from collections.abc import Iterable
+
+import bpy
+import numpy as np
+
+from ..core.arrays import Array
+from .rig import pose_of
+
+CurveMap = dict[tuple[str, int], bpy.types.FCurve]
+
+_CONSTANT, _LINEAR = 0, 1
+
+
+def assigned(ob: bpy.types.Object) -> tuple[bpy.types.Action | None, bpy.types.ActionSlot | None]:
+    """Return the action and slot that an object plays, None for either that is missing."""
+    data = ob.animation_data
+    return (data.action, data.action_slot) if data else (None, None)
+
+
+def fitting_slot(action: bpy.types.Action, ob: bpy.types.Object) -> bpy.types.ActionSlot | None:
+    """Return the slot of ``action`` that suits an object: its own name, else the first for objects."""
+    slots = [slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}]
+    return next((slot for slot in slots if slot.name_display == ob.name), slots[0] if slots else None)
+
+
+def curves(action: bpy.types.Action, slot: bpy.types.ActionSlot) -> CurveMap:
+    """Return the F-curves of one slot by path and index; the first layer that animates a property counts."""
+    out: CurveMap = {}
+    for layer in action.layers:
+        for strip in layer.strips:
+            assert isinstance(strip, bpy.types.ActionKeyframeStrip), "Blender has no other kind of strip yet"
+            bag = strip.channelbag(slot)
+            for curve in bag.fcurves if bag else ():
+                out.setdefault((curve.data_path, curve.array_index), curve)
+    return out
+
+
+def frame_range(found: Iterable[bpy.types.FCurve]) -> tuple[float, float] | None:
+    """Return the first and last keyed frame of some curves, None when there are no keys."""
+    ranges = [
+        (curve.range()[0], curve.range()[1])
+        for curve in found
+        if len(curve.keyframe_points) or len(curve.sampled_points)
+    ]
+    return (min(r[0] for r in ranges), max(r[1] for r in ranges)) if ranges else None
+
+
+def sample(curve: bpy.types.FCurve, frames: Array) -> Array:
+    """Return a curve's values at ``frames``, shape (frame,).
+
+    Keys that lie on the frames are copied; constant and linear curves are interpolated in bulk; anything else is
+    evaluated by Blender.
+    """
+    points = curve.keyframe_points
+    count = len(points)
+    if count == 0 or len(curve.modifiers) > 0:
+        return _evaluated(curve, frames)
+    keys = np.empty(count * 2, dtype=np.float32)
+    points.foreach_get("co", keys)
+    times, values = keys[::2].astype(np.float64), keys[1::2].astype(np.float64)
+    if count == len(frames) and np.array_equal(times, frames):
+        return values
+    place = np.clip(np.searchsorted(times, frames), 0, count - 1)
+    if np.array_equal(times[place], frames):
+        return values[place]
+    kinds = np.empty(count, dtype=np.uint8)
+    points.foreach_get("interpolation", kinds)
+    inside = frames[0] >= times[0] and frames[-1] <= times[-1]
+    if (kinds[:-1] == _LINEAR).all() and (inside or curve.extrapolation == "CONSTANT"):
+        return np.interp(frames, times, values)
+    return _evaluated(curve, frames)
+
+
+def _evaluated(curve: bpy.types.FCurve, frames: Array) -> Array:
+    return np.array([curve.evaluate(frame) for frame in frames.tolist()])
+
+
+def sample_vector(found: CurveMap, path: str, frames: Array, defaults: Array) -> Array | None:
+    """Return a vector property at ``frames``, shape (frame, n), None when nothing animates it.
+
+    Args:
+        found: Curves by path and index.
+        path: Data path of the property.
+        frames: Frames.
+        defaults: Values of components that are not animated.
+    """
+    parts = [found.get((path, i)) for i in range(len(defaults))]
+    if not any(parts):
+        return None
+    columns = [sample(c, frames) if c else np.full(len(frames), d) for c, d in zip(parts, defaults, strict=True)]
+    return np.column_stack(columns)
+
+
+class Writer:
+    """A new action with one slot, filled curve by curve in bulk."""
+
+    def __init__(self, name: str, ob: bpy.types.Object) -> None:
+        self.action = bpy.data.actions.new(name)
+        self.slot = self.action.slots.new(id_type="OBJECT", name=ob.name)
+        strip = self.action.layers.new("Layer").strips.new(type="KEYFRAME")
+        assert isinstance(strip, bpy.types.ActionKeyframeStrip), "a strip of this type was asked for"
+        bag = strip.channelbag(self.slot, ensure=True)
+        assert bag is not None, "it was to be made"
+        self._bag = bag
+        self._groups: dict[str, bpy.types.ActionGroup] = {}
+
+    def write(self, path: str, values: Array, frames: Array, group: str) -> None:
+        """Key a vector property on every frame, linear in between.
+
+        Args:
+            path: Data path of the property.
+            values: Shape (frame, n).
+            frames: Shape (frame,).
+            group: Name of the channel group.
+        """
+        count = len(frames)
+        keys = np.empty((count, 2), dtype=np.float32)
+        keys[:, 0] = frames
+        linear = np.full(count, _LINEAR, dtype=np.uint8)
+        for i in range(values.shape[1]):
+            keys[:, 1] = values[:, i]
+            curve = self._bag.fcurves.new(path, index=i)
+            curve.group = self._group(group)
+            curve.keyframe_points.add(count)
+            curve.keyframe_points.foreach_set("co", keys.ravel())
+            curve.keyframe_points.foreach_set("interpolation", linear)
+            curve.update()
+
+    def copy(self, curve: bpy.types.FCurve) -> None:
+        """Take over a curve as it is: keys, handles, modifiers' settings aside."""
+        own = self._bag.fcurves.new(curve.data_path, index=curve.array_index)
+        if curve.group:
+            own.group = self._group(curve.group.name)
+        own.extrapolation = curve.extrapolation
+        count = len(curve.keyframe_points)
+        own.keyframe_points.add(count)
+        for name, width, kind in _KEY_PROPERTIES:
+            values = np.empty(count * width, dtype=kind)
+            curve.keyframe_points.foreach_get(name, values)
+            own.keyframe_points.foreach_set(name, values)
+        own.update()
+
+    def _group(self, name: str) -> bpy.types.ActionGroup:
+        if name not in self._groups:
+            self._groups[name] = self._bag.groups.new(name)
+        return self._groups[name]
+
+    def discard(self) -> None:
+        """Remove the unfinished action."""
+        bpy.data.actions.remove(self.action)
+
+
+_KEY_PROPERTIES = (
+    ("co", 2, np.float32),
+    ("handle_left_type", 1, np.uint8),
+    ("handle_right_type", 1, np.uint8),
+    ("handle_left", 2, np.float32),
+    ("handle_right", 2, np.float32),
+    ("interpolation", 1, np.uint8),
+    ("easing", 1, np.uint8),
+)
+
+
+def assign(ob: bpy.types.Object, action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> None:
+    """Make an object play a slot of an action; the slot is always set, since Blender's own choice may be none."""
+    data = ob.animation_data or ob.animation_data_create()
+    assert data is not None, "objects can be animated"
+    data.action = action
+    if action is not None:
+        data.action_slot = slot
+
+
+def of_armature(ob: bpy.types.Object) -> list[tuple[bpy.types.Action, bpy.types.ActionSlot]]:
+    """Return all actions of the file, with a slot each, that move a bone of an armature."""
+    prefixes = tuple(bone.path_from_id() for bone in pose_of(ob).bones)
+    out: list[tuple[bpy.types.Action, bpy.types.ActionSlot]] = []
+    for action in bpy.data.actions:
+        slot = fitting_slot(action, ob)
+        if slot is not None and any(path.rpartition(".")[0] in prefixes for path, _ in curves(action, slot)):
+            out.append((action, slot))
+    return out

@@ -1,0 +1,53 @@
+"""The command line: one program for ``blender -b --command morph_retarget`` and ``python -m morph_retarget``."""
+
+import argparse
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from ...core.errors import MorphError
+from . import mapping, retargeting
+from .messages import NAME, say
+
+UNUSABLE = 2
+
+_EXAMPLES = """examples:
+  {prog} map character.fbx
+  {prog} map character.glb --json > map.json
+  {prog} retarget walk.bvh character.glb -o walk_on_character.blend
+  {prog} retarget "clips.blend#Walk" a.glb b.fbx -o "out/{{source}}_on_{{target}}.glb" --report report.json
+"""
+
+
+def main(argv: Sequence[str]) -> int:
+    """Run one command and return its exit status.
+
+    0: all well. 1: some job failed. 2: the request or an input was unusable.
+    """
+    try:
+        arguments = _parser().parse_args(list(argv))
+    except SystemExit as done:  # what argparse does after help and after usage errors
+        return int(done.code or 0)
+    try:
+        return arguments.run(arguments)
+    except MorphError as error:
+        say(str(error))
+        return UNUSABLE
+
+
+class _Parser(argparse.ArgumentParser):
+    """Reports a usage error in one line, as all errors are reported."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(UNUSABLE, f"{self.prog}: {message}: see {self.prog} --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    looks: dict[str, Any] = {
+        "epilog": _EXAMPLES.format(prog=NAME),
+        "formatter_class": argparse.RawDescriptionHelpFormatter,
+    }
+    parser = _Parser(prog=NAME, description="Give any motion to any rig.", **looks)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    mapping.add_to(commands.add_parser("map", help="tell what a rig is", **looks))
+    retargeting.add_to(commands.add_parser("retarget", help="give a clip to one or more rigs", **looks))
+    return parser

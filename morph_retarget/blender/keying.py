@@ -1,0 +1,79 @@
+"""Writing channels as keys: a new action with a slot of its own, beside the old one."""
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+
+from ..core import quat
+from ..core.arrays import Array
+from . import actions, channels
+from .actions import CurveMap, Writer
+from .channels import Channel
+from .rig import Rig, pose_bone
+
+OBJECT_GROUP = "Object Transforms"
+
+
+def write(
+    target: Rig, found: Sequence[Channel], body: Sequence[str], frames: Array, name: str, keep_others: bool
+) -> tuple[bpy.types.Action, bpy.types.ActionSlot]:
+    """Key channels in a new action and make the target play it; the old action is left as it is.
+
+    Args:
+        target: The rig.
+        found: Channels.
+        body: Bones that the motion owns; what else moved or turned them before must not show.
+        frames: Frames to key, shape (frame,).
+        name: Of the action.
+        keep_others: Take over what the old action does to everything else.
+    """
+    ob = target.object
+    old_action, old_slot = actions.assigned(ob)
+    old = actions.curves(old_action, old_slot) if old_action and old_slot else {}
+    writer = Writer(name, ob)
+    try:
+        written: set[str] = set()
+        for channel in found:
+            path = channel.path(ob)
+            writer.write(path, channel.values, frames, channel.bone or OBJECT_GROUP)
+            written.add(path)
+        for channel in _leftovers(ob, body, old, written):
+            writer.write(channel.path(ob), channel.values, frames[:1], channel.bone or OBJECT_GROUP)
+            written.add(channel.path(ob))
+        if keep_others:
+            _copy_others(ob, body, old, written, writer)
+    except BaseException:
+        writer.discard()
+        raise
+    actions.assign(ob, writer.action, writer.slot)
+    if old_action is not None and old_action.users == 0:
+        old_action.use_fake_user = True  # what nobody plays any more must still be saved
+    return writer.action, writer.slot
+
+
+def _leftovers(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str]) -> list[Channel]:
+    """Return the rest for channels of the body that are not keyed but stand off rest, or would after the old action."""
+    out: list[Channel] = []
+    for name in body:
+        bone = pose_bone(ob, name)
+        rest = channels.rotation(bone, name, quat.identity(1))
+        for channel in (rest, Channel(name, "location", np.zeros((1, 3))), Channel(name, "scale", np.ones((1, 3)))):
+            path = channel.path(ob)
+            now = np.array(getattr(bone, channel.prop))
+            off_rest = np.abs(now - channel.values[0]).max() > 1e-6 or any((path, i) in old for i in range(len(now)))
+            if path not in written and off_rest:
+                out.append(channel)
+    return out
+
+
+def _copy_others(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str], writer: Writer) -> None:
+    """Take over the old action's curves for bones that are not mapped, custom properties and the like."""
+    own = {pose_bone(ob, name).path_from_id() for name in body}
+    transforms = {"location", "scale", *channels.ROTATIONS}
+    for (path, _), curve in old.items():
+        stem, _, prop = path.rpartition(".")
+        of_body = stem in own and prop in transforms
+        of_object = not stem and (prop in transforms or prop.startswith("delta_"))
+        if path not in written and not of_body and not of_object:
+            writer.copy(curve)

@@ -1,0 +1,272 @@
+"""Retargeting in Blender: sample the source, run the pipeline, key the target. Data in, data out; no context."""
+
+import time
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import TypeVar
+
+import bpy
+import numpy as np
+
+from ..core import pipeline, report
+from ..core.arrays import Array, Flags
+from ..core.character.analysis import Overrides, analyze
+from ..core.character.character import Character
+from ..core.errors import MotionError, RigError
+from ..core.mocap import reference
+from ..core.mocap.feet import Ground
+from ..core.mocap.measure import measure
+from ..core.mocap.plan import Plan, ReferencePose, RetargetSettings, prepare
+from ..core.mocap.root_motion import RootMotion
+from ..core.pipeline import Result
+from . import channels, keying, rig, sampling
+from .rig import Rig
+from .sampling import Clip
+
+_T = TypeVar("_T")
+
+
+class Reference(StrEnum):
+    """Which pose of the source stands for the target's rest."""
+
+    AUTO = "auto"
+    REST = "rest"
+    FRAME = "frame"
+    CURRENT = "current"
+
+
+@dataclass(frozen=True)
+class Options:
+    """What can be chosen about one retarget in Blender."""
+
+    settings: RetargetSettings = field(default_factory=RetargetSettings)
+    reference: Reference = Reference.AUTO
+    reference_frame: int = 1
+    """Frame of the source that stands for the target's rest, with `Reference.FRAME`."""
+    frames: tuple[int, int] | None = None
+    """First and last frame of the source; its keyed range when None."""
+    name: str = "{action} on {target}"
+    """Name of the new action; ``{action}``, ``{source}`` and ``{target}`` are filled in."""
+    resample: bool = False
+    """Key whole frames of the scene when the clip has another rate; else its own frames at their times."""
+    keep_others: bool = True
+    """Take over what the target's old action does to bones that are not mapped."""
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A rig with its character and one sampled clip."""
+
+    rig: Rig
+    character: Character
+    clip: Clip
+    seconds: Mapping[str, float]
+    """Time that sampling and analysis took [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """A finished retarget."""
+
+    action: bpy.types.Action
+    slot: bpy.types.ActionSlot
+    plan: Plan
+    result: Result
+    report: dict[str, object]
+    warnings: tuple[str, ...]
+
+
+def character_of(own: Rig, overrides: Overrides | None = None, clip: Clip | None = None) -> Character:
+    """Return what a rig is; one whose rest is no pose is judged by a frame of its clip.
+
+    Raises:
+        RigError: The rig has a single bone.
+        MappingError: An override names a joint or bone that does not exist.
+    """
+    overrides = overrides or Overrides()
+    found = analyze(own.skeleton, own.placement, overrides)
+    if found.rest_is_pose or clip is None:
+        return found
+    up = reference.upright_axis(found, clip.pose) if overrides.up is None else overrides.up
+    row = reference.standing_frame(found, clip.pose, up)
+    posed = Overrides(up, overrides.forward, overrides.joints)
+    return analyze(own.skeleton, own.placement, posed, clip.pose.positions[row])
+
+
+def read_source(
+    own: Rig,
+    action: bpy.types.Action,
+    slot: bpy.types.ActionSlot,
+    scene: bpy.types.Scene,
+    overrides: Overrides | None = None,
+    frames: tuple[int, int] | None = None,
+) -> Generator[float, None, Source]:
+    """Sample and analyse a source in steps; yields the share done and returns the `Source`.
+
+    Raises:
+        MotionError: The action has no keys, or moves none of the rig's bones.
+    """
+    start = time.perf_counter()
+    clip = yield from sampling.sample(own, action, slot, scene, frames)
+    sampled = time.perf_counter()
+    character = character_of(own, overrides, clip)
+    return Source(own, character, clip, {"sample": sampled - start, "analyze": time.perf_counter() - sampled})
+
+
+def check_target(ob: bpy.types.Object) -> None:
+    """Check that an armature can be given an action.
+
+    Raises:
+        RigError: It is linked from another file without a library override.
+    """
+    if ob.library is not None and ob.override_library is None:
+        raise RigError(
+            f"armature {ob.name!r} is linked from {ob.library.filepath}: make a library override of it first "
+            "(Object > Library Override > Make)"
+        )
+
+
+def retarget(
+    source: Source,
+    target: Rig,
+    character: Character,
+    options: Options,
+    scene: bpy.types.Scene,
+    standing: Flags | None = None,
+    ground: Ground | None = None,
+) -> Outcome:
+    """Give a target the source's motion as a new action, and make it play that.
+
+    The old action, other slots, rest poses and object transforms are left as they are.
+
+    Args:
+        source: The clip.
+        target: The rig.
+        character: What the rig is.
+        options: Choices.
+        scene: Gives the frame rate.
+        standing: The user's own plants, shape (frame, foot); found from the motion when None.
+        ground: Terrain, the target's character frame.
+
+    Raises:
+        RigError: The target is linked, has no legs while the source has, or lacks the root bone asked for.
+        MappingError: The two share no joints.
+    """
+    check_target(target.object)
+    if source.rig.uid == target.uid:
+        raise RigError(f"source and target are both {target.name!r}: choose two armatures")
+    root = root_bone(target, character) if options.settings.root_motion is RootMotion.ROOT_BONE else None
+    times = dict(source.seconds)
+    start = time.perf_counter()
+    plan = make_plan(source, target, character, options)
+    result = pipeline.evaluate(plan, source.clip.pose, source.clip.seconds_per_frame, standing, ground)
+    times["transfer"] = time.perf_counter() - start
+    start = time.perf_counter()
+    frames, keyed = _key_times(source.clip, result, scene, options.resample)
+    action, slot = keying.write(
+        target,
+        channels.of_result(target, character, keyed, root),
+        channels.body_bones(target, keyed.bones),
+        frames,
+        action_name(options.name, source.clip.name, source.rig.name, target.name),
+        options.keep_others,
+    )
+    times["write"] = time.perf_counter() - start
+    warnings = _warnings(source, target, character, plan)
+    measures = measure(plan, result.source, result.motion, ground)
+    described = report.describe(source.clip.name, target.name, len(source.clip.frames), times, plan, measures, warnings)
+    return Outcome(action, slot, plan, result, described, warnings)
+
+
+def action_name(template: str, action: str, source: str, target: str) -> str:
+    """Return the name of a new action.
+
+    Raises:
+        MotionError: The template has a field besides ``{action}``, ``{source}`` and ``{target}``, or a lone brace.
+    """
+    try:
+        return template.format(action=action, source=source, target=target)
+    except (KeyError, IndexError, ValueError, AttributeError) as error:
+        raise MotionError(
+            f"action name {template!r}: use {{action}}, {{source}} and {{target}} and no other braces"
+        ) from error
+
+
+def _key_times(clip: Clip, result: Result, scene: bpy.types.Scene, resample: bool) -> tuple[Array, Result]:
+    """Return the frames to key and the result at these frames; the motion keeps its duration."""
+    ratio = clip.seconds_per_frame / sampling.seconds_per_frame(scene)
+    if abs(ratio - 1.0) < 1e-6:
+        return clip.frames, result
+    times = clip.frames[0] + (clip.frames - clip.frames[0]) * ratio
+    if not resample:
+        return times, result
+    whole = np.arange(np.ceil(times[0]), np.floor(times[-1]) + 1.0)
+    place = np.interp(whole, times, np.arange(len(times)))
+    return whole, result.resampled(place)
+
+
+def make_plan(source: Source, target: Rig, character: Character, options: Options) -> Plan:
+    """Return the plan of a pair, with the reference poses that were asked for.
+
+    Raises:
+        RigError: Just one of the two has legs.
+        MappingError: They share no joints.
+    """
+    theirs: ReferencePose | None = None
+    ours: ReferencePose | None = None
+    pose, frames = source.clip.pose, source.clip.frames
+    if options.reference is Reference.FRAME:
+        row = int(np.argmin(np.abs(frames - options.reference_frame)))
+        theirs = ReferencePose(f"frame {frames[row]:g}", pose.rotations[row], pose.positions[row])
+    elif options.reference is Reference.CURRENT:
+        theirs = ReferencePose("current pose", *rig.read_pose(source.rig, source.rig.object))
+        ours = ReferencePose("current pose", *rig.read_pose(target, target.object))
+    elif options.reference is Reference.AUTO and not source.character.rest_is_pose:
+        row = reference.frame_like_rest(source.character, character, pose)
+        theirs = ReferencePose(f"frame {frames[row]:g}", pose.rotations[row], pose.positions[row])
+    return prepare(source.character, character, options.settings, theirs, ours)
+
+
+def root_bone(target: Rig, character: Character) -> str:
+    """Return the bone that root motion can be moved to: the topmost above the hips.
+
+    Raises:
+        RigError: The hips have no bone above them.
+    """
+    hips = character.bone("hips")
+    above = target.skeleton.tree.ancestors[hips] if hips is not None else []
+    if not above:
+        raise RigError(
+            f"rig {target.name!r} has no bone above its hips to carry root motion: keep it on the hips or the object"
+        )
+    return target.skeleton.names[above[-1]]
+
+
+def _warnings(source: Source, target: Rig, character: Character, plan: Plan) -> tuple[str, ...]:
+    out = [*source.rig.warnings, *target.warnings]
+    out += [f"source {source.rig.name!r}: {w}" for w in source.character.warnings]
+    out += [f"target {target.name!r}: {w}" for w in character.warnings]
+    if plan.reference != "rest pose":
+        out.append(f"the source's {plan.reference} stands for the target's rest pose")
+    if source.clip.stepped:
+        out.append(f"the source was sampled frame by frame because of {', '.join(source.clip.stepped)}")
+    linked = {target.skeleton.names[b] for b in plan.links.target}
+    for bone in rig.pose_of(target.object).bones:
+        active = [c.name for c in bone.constraints if c.enabled and c.influence > 0.0]
+        if bone.name in linked and active:
+            out.append(
+                f"bone {bone.name!r} has the constraint {active[0]!r}, which acts on top of the keys: "
+                "mute it if it should not"
+            )
+            break
+    return tuple(out)
+
+
+def run(steps: Generator[float, None, _T]) -> _T:
+    """Run a stepped function to its end and return what it returns."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as done:
+            return done.value
