@@ -109,7 +109,7 @@ def _segments(of: Rig, *joints: tuple[str, str]) -> Iterator[tuple[str, str, np.
                 yield ("l" if side == "left" else "r"), top, bones[top][1], bones[end][1]
 
 
-def _twist(of: Rig, bones: _Bones, size: float) -> None:
+def _twist(of: Rig, bones: _Bones, _: float) -> None:
     limbs = (("UpperArm", "LowerArm"), ("LowerArm", "Hand"), ("UpperLeg", "LowerLeg"), ("LowerLeg", "Foot"))
     for side, top, start, end in _segments(of, *limbs):
         step = (end - start) / 3.0
@@ -148,9 +148,7 @@ def _skirt(of: Rig, bones: _Bones, size: float) -> None:
     hips = of.table["ground_truth"]["canonical"]["hips"]
     for i, (x, y) in enumerate(((0.09, 0.0), (-0.09, 0.0), (0.05, -0.07), (-0.05, -0.07), (0.05, 0.07), (-0.05, 0.07))):
         start = bones[hips][1] + size * np.array([x, y, -0.02])
-        _chain(
-            bones, f"skirt_{'l' if x > 0 else 'r'}{i // 2}_", hips, start, size * np.array([x / 4, y / 4, -0.08]), 3
-        )
+        _chain(bones, f"skirt_{'l' if x > 0 else 'r'}{i // 2}_", hips, start, size * np.array([x / 4, y / 4, -0.08]), 3)
 
 
 def _ik(of: Rig, bones: _Bones, size: float) -> None:
@@ -179,7 +177,9 @@ def _weapon(of: Rig, bones: _Bones, size: float) -> None:
     )
     if "rightHand" in truth:
         hand = truth["rightHand"]
-        _chain(bones, "weapon_", hand, bones[hand][1] + size * np.array([0, -0.02, 0]), size * np.array([0, -0.2, 0]), 2)
+        _chain(
+            bones, "weapon_", hand, bones[hand][1] + size * np.array([0, -0.02, 0]), size * np.array([0, -0.2, 0]), 2
+        )
 
 
 CLUTTER: Mapping[str, Callable[[Rig, _Bones, float], None]] = {

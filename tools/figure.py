@@ -1,4 +1,4 @@
-"""Bodies as plain data: bones with names and places, built from proportions. Sample characters and tests are made of it.
+"""Bodies as plain data: bones with names and places, built from proportions. Samples and tests are made of it.
 
 A figure stands at the origin of Blender's world, looks along -Y, and is as high as it says.
 """

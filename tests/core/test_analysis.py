@@ -172,7 +172,10 @@ def test_users_joints_replace_what_was_found() -> None:
     ("joints", "message"),
     [
         ({"leftHoof": "leftFoot"}, "unknown joint 'leftHoof': the names are hips, spine"),
-        ({"hips": "Pelvis"}, "joint hips is mapped to bone 'Pelvis', which the armature does not have: correct the map"),
+        (
+            {"hips": "Pelvis"},
+            "joint hips is mapped to bone 'Pelvis', which the armature does not have: correct the map",
+        ),
         ({"hips": "spine", "chest": "spine"}, "bone 'spine' is mapped to both hips and chest: keep one"),
     ],
 )

@@ -1,6 +1,7 @@
 """The damped Jacobian (Feng 2013 §4.2): rebuild the chain and measure where its end is."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ def _end(problem: Problem, turns: np.ndarray, anchor: np.ndarray, effector: int 
         chain.insert(0, joint)
         joint = problem.parents[joint]
     place = anchor
-    for above, below in zip(chain, chain[1:], strict=False):
+    for above, below in pairwise(chain):
         place = place + quat.rotate(turns[:, above], problem.offsets[below])
     return place + quat.rotate(turns[:, chain[-1]], problem.effectors[effector].offset)
 
@@ -40,7 +41,7 @@ def _solve(targets: np.ndarray, settings: JacobianSettings | None = None) -> tup
     frames = len(targets)
     turns = _bent(frames)
     anchors = np.broadcast_to(HIP, (frames, 2, 3)).copy()
-    root = np.broadcast_to(HIP + [0.0, 0.0, 0.05], (frames, 3))
+    root = np.broadcast_to(HIP + np.array([0.0, 0.0, 0.05]), (frames, 3))
     out = solve(LEG, turns, anchors, targets[:, None], root, 1.75, settings)
     return out.turns, out.error
 
@@ -103,7 +104,7 @@ def test_two_effectors_on_a_shared_joint_both_arrive() -> None:
 def test_a_stiff_joint_leaves_the_work_to_the_others() -> None:
     stiff = replace(LEG, stiffness=np.array([0.0, 1.0]))
     turns = _bent(1)
-    target = _end(LEG, turns, HIP) + [0.0, 0.05, 0.03]
+    target = _end(LEG, turns, HIP) + np.array([0.0, 0.05, 0.03])
     out = solve(stiff, turns, np.broadcast_to(HIP, (1, 2, 3)), target[:, None], HIP[None], 1.75)
     assert quat.angle_between(out.turns[:, 0], turns[:, 0]).max() < 1e-9
     assert quat.angle_between(out.turns[:, 1], turns[:, 1]).max() > 0.01

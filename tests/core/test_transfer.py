@@ -62,7 +62,9 @@ def test_from_a_to_b_and_back_is_the_same_motion() -> None:
     assert np.abs(back.positions - pose.positions).max() < 1e-6
 
 
-TURNED = Placement(quat.to_matrix(quat.from_rotation_vector(np.array([np.pi / 2, 0, 0]))), 0.01, np.array([2.0, 1.0, 0]))
+TURNED = Placement(
+    quat.to_matrix(quat.from_rotation_vector(np.array([np.pi / 2, 0, 0]))), 0.01, np.array([2.0, 1.0, 0])
+)
 TARGETS = {
     "other proportions": {"proportions": CHIBI, "height": 1.1},
     "an A-pose": {"build": Build(arms_down=50.0)},

@@ -54,6 +54,6 @@ def find_travel(hips: Array, facings: Array, seconds_per_frame: float) -> Travel
 
 
 def without(travel: Travel, points: Array, pivot: Array) -> Array:
-    """Return ``points``, shape (frame, 3), as seen by something that travels from ``pivot``, shape (3,)."""
+    """Return ``points``, shape (frame, link, 3), as seen by something that travels from ``pivot``, shape (3,)."""
     ground = pivot * np.array([1.0, 1.0, 0.0])
-    return ground + quat.rotate(quat.conjugate(travel.turns), points - travel.points - ground)
+    return ground + quat.rotate(quat.conjugate(travel.turns)[:, None], points - travel.points[:, None] - ground)
