@@ -1,5 +1,7 @@
 """Simple meshes for skeletons: a tapered box along every bone, so that a bare armature can be seen."""
 
+import math
+
 import bpy
 import numpy as np
 from mathutils import Vector
@@ -19,7 +21,7 @@ def clothe(
     """
     vertices: list[Vector] = []
     faces: list[tuple[int, ...]] = []
-    groups: list[tuple[str, int]] = []
+    groups: list[tuple[str, range]] = []
     limit = 0.06 * max(armature.dimensions) if max(armature.dimensions) else 1.0
     scale = max(armature.matrix_world.to_scale())
     for bone in armature.data.bones:
@@ -27,9 +29,11 @@ def clothe(
         for tail in ends:
             if (tail - bone.head_local).length < 1e-5:
                 continue
-            groups.append((bone.name, len(vertices)))
-            corners = _box(bone.head_local, tail, thickness, limit / scale)
-            faces += [tuple(len(vertices) + i for i in face) for face in _FACES]
+            corners, sides = _box(bone.head_local, tail, thickness, limit / scale), _FACES
+            if bone.name.lower().endswith("head") and not bone.children:
+                corners, sides = _ball(bone.head_local, tail)
+            groups.append((bone.name, range(len(vertices), len(vertices) + len(corners))))
+            faces += [tuple(len(vertices) + i for i in face) for face in sides]
             vertices += corners
     mesh = bpy.data.meshes.new(f"{armature.name} body")
     mesh.from_pydata([tuple(v) for v in vertices], [], faces)
@@ -40,9 +44,9 @@ def clothe(
     for collection in armature.users_collection:
         collection.objects.link(body)
     body.parent = armature
-    for name, first in groups:
+    for name, own in groups:
         group = body.vertex_groups.get(name) or body.vertex_groups.new(name=name)
-        group.add(list(range(first, first + 8)), 1.0, "REPLACE")
+        group.add(list(own), 1.0, "REPLACE")
     body.modifiers.new("Armature", "ARMATURE").object = armature
     return body
 
@@ -52,6 +56,31 @@ def _ends(bone: bpy.types.Bone) -> list[Vector]:
     if bone.parent is None and len(bone.children) <= 1:
         return []  # a root that only carries the hips
     return [child.head_local for child in bone.children] or [bone.tail_local]
+
+
+def _ball(head: Vector, tail: Vector) -> tuple[list[Vector], list[tuple[int, ...]]]:
+    """Return an egg from ``head`` to ``tail`` with a nose at the front."""
+    around, along = 12, 8
+    middle, axis = head.lerp(tail, 0.5), 0.5 * (tail - head)
+    side = axis.cross(Vector((0.0, -1.0, 0.0)))
+    front = 0.85 * side.cross(axis).normalized() * axis.length
+    side = 0.75 * side.normalized() * axis.length
+    vertices = [head, tail]
+    for i in range(1, along):
+        latitude = math.pi * (i / along - 0.5)
+        for j in range(around):
+            angle = 2.0 * math.pi * j / around
+            flat = math.cos(latitude) * (math.cos(angle) * front + math.sin(angle) * side)
+            nose = 1.35 if j == 0 and i == along // 2 - 1 else 1.0
+            vertices.append(middle + math.sin(latitude) * axis + nose * flat)
+    faces: list[tuple[int, ...]] = []
+    for j in range(around):
+        k, last = (j + 1) % around, 2 + (along - 2) * around
+        faces += [(0, 2 + k, 2 + j), (1, last + j, last + k)]
+        for i in range(along - 2):
+            low, high = 2 + i * around, 2 + (i + 1) * around
+            faces.append((low + j, low + k, high + k, high + j))
+    return vertices, faces
 
 
 def _box(head: Vector, tail: Vector, thickness: float, limit: float) -> list[Vector]:

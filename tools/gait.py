@@ -19,7 +19,7 @@ CYCLE = 1.1
 """Time of two steps [s]."""
 SPEED = 0.95
 """For a figure of 1.75 m [m/s]."""
-FLAT, HEEL_OFF, TOE_OFF = 0.08, 0.38, 0.6
+FLAT, HEEL_OFF, TOE_OFF = 0.12, 0.38, 0.6
 """Parts of the cycle at which the foot lies flat, its heel leaves and its toes leave."""
 STRIKE_PITCH, LIFT_PITCH = np.radians(-18.0), np.radians(42.0)
 """Toes up when the heel strikes; heel up when the toes leave."""
@@ -86,7 +86,7 @@ def pose(skeleton: Skeleton, made: Walk) -> Pose:
     yaw = _turn(UP, np.radians(5.0) * np.cos(angle - 0.3))
     lean = quat.multiply(_turn(Y, np.radians(2.5) * np.sin(angle)), _turn(X, np.full(len(angle), np.radians(3.0))))
     body.turn("hips", quat.multiply(yaw, lean))
-    bob = -0.052 - 0.014 * np.cos(2.0 * angle)
+    bob = -0.044 - 0.018 * np.cos(2.0 * angle)
     sway = 0.018 * np.sin(angle - 0.4)
     body.hips = np.stack([sway, -made.speed * made.time, 1.0 + bob], axis=-1) * [height, 1.0, height]
     twist = _turn(UP, -np.radians(4.0) * np.cos(angle - 0.3))

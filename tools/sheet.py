@@ -1,7 +1,11 @@
 """Contact sheets: a motion as a row of pictures over time, several characters below each other."""
 
+import subprocess
+import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import bpy
@@ -9,14 +13,24 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image, ImageDraw
 
+from morph_retarget.blender.io.quiet import quiet
+
 TILE = (200, 260)
 BACKGROUND = (38, 40, 44)
 
 
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One character over time."""
+
+    title: str
+    armature: bpy.types.Object
+    frames: Sequence[float]
+
+
 def contact_sheet(
     path: Path,
-    rows: Sequence[tuple[str, bpy.types.Object, Callable[[float], None] | None]],
-    frames: Sequence[float],
+    rows: Sequence[Row],
     view: tuple[float, float] = (-35.0, 12.0),
     tile: tuple[int, int] = TILE,
 ) -> None:
@@ -24,8 +38,7 @@ def contact_sheet(
 
     Args:
         path: PNG to write.
-        rows: Title, armature, and what to do before a frame is drawn besides setting it (None for nothing).
-        frames: Frames of the scene.
+        rows: What to draw, with as many frames each.
         view: Turn about the vertical from the front, and height of the view [deg].
         tile: Width and height of one picture [px].
     """
@@ -34,28 +47,29 @@ def contact_sheet(
     _engine(scene)
     scene.render.resolution_x, scene.render.resolution_y = tile
     label = 24
-    sheet = Image.new("RGB", (tile[0] * len(frames), (tile[1] + label) * len(rows)), BACKGROUND)
+    columns = max(len(row.frames) for row in rows)
+    sheet = Image.new("RGB", (tile[0] * columns, (tile[1] + label) * len(rows)), BACKGROUND)
     draw = ImageDraw.Draw(sheet)
     hidden = {ob: ob.hide_render for ob in scene.objects}
     with tempfile.TemporaryDirectory() as folder:
-        for row, (title, armature, before) in enumerate(rows):
+        for row, shown in enumerate(rows):
+            armature = shown.armature
             own = {armature, *armature.children_recursive}
             for ob in scene.objects:
                 ob.hide_render = ob.type == "MESH" and ob not in own and not ob.get("floor")
             size = _height(armature)
-            for column, frame in enumerate(frames):
+            for column, frame in enumerate(shown.frames):
                 scene.frame_set(int(np.floor(frame)), subframe=frame - np.floor(frame))
-                if before:
-                    before(frame)
                 _aim(camera, armature, size, view, tile)
                 picture = Path(folder, "tile.png")
                 scene.render.filepath = str(picture)
-                bpy.ops.render.render(write_still=True)
+                with quiet(errors=True):
+                    bpy.ops.render.render(write_still=True)
                 with Image.open(picture) as image:
                     sheet.paste(image.convert("RGB"), (column * tile[0], row * (tile[1] + label) + label))
                 draw.text(
                     (column * tile[0] + 6, row * (tile[1] + label) + 6),
-                    f"{title}   frame {frame:g}" if column == 0 else f"{frame:g}",
+                    shown.title if column == 0 else f"{frame:g}",
                     fill=(220, 220, 220),
                 )
     for ob, value in hidden.items():
@@ -65,19 +79,40 @@ def contact_sheet(
 
 
 def _engine(scene: bpy.types.Scene) -> None:
-    """Choose Workbench where a picture can be made with it, else Cycles, which needs no graphics driver."""
+    """Choose Workbench where it works, else Cycles, which needs no graphics driver."""
     scene.render.image_settings.file_format = "PNG"
     scene.view_settings.view_transform = "Standard"
     scene.render.film_transparent = False
     if scene.world is None:
         scene.world = bpy.data.worlds.new("World")
     scene.world.color = (0.06, 0.065, 0.075)
+    if not _workbench_works():
+        scene.render.engine = "CYCLES"
+        scene.cycles.samples = 8
+        scene.cycles.use_denoising = False
+        scene.world.color = (0.8, 0.8, 0.8)
+        return
     scene.render.engine = "BLENDER_WORKBENCH"
     scene.display.shading.light = "STUDIO"
     scene.display.shading.color_type = "MATERIAL"
     scene.display.shading.show_shadows = True
     scene.display.shading.show_cavity = True
     scene.display.shading.background_type = "WORLD"
+
+
+_PROBE = """
+import bpy
+bpy.ops.wm.read_factory_settings()
+bpy.context.scene.render.engine = "BLENDER_WORKBENCH"
+bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 8
+bpy.ops.render.render()
+"""
+
+
+@cache
+def _workbench_works() -> bool:
+    """Return whether this machine has the graphics for Workbench; tried in a process of its own, since it may crash."""
+    return subprocess.run([sys.executable, "-c", _PROBE], capture_output=True, check=False, timeout=120).returncode == 0
 
 
 def _camera(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -99,8 +134,9 @@ def _points(armature: bpy.types.Object) -> np.ndarray:
 
 
 def _height(armature: bpy.types.Object) -> float:
-    rest = np.array([armature.matrix_world @ bone.head_local for bone in armature.data.bones if bone.parent])
-    return float(np.ptp(rest, axis=0).max())
+    rest = [armature.matrix_world @ bone.head_local for bone in armature.data.bones if bone.parent]
+    rest += [armature.matrix_world @ bone.tail_local for bone in armature.data.bones if bone.parent]
+    return float(np.ptp(np.array(rest), axis=0).max())
 
 
 def _aim(

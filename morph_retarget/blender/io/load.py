@@ -8,12 +8,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import addon_utils
 import bpy
 
 from ...core.errors import FileError, listed
 from ..rig import armature_of, scene_of
-from . import bvh_check
+from . import addons, bvh_check
 from .quiet import quiet
 
 KINDS = (".bvh", ".fbx", ".glb", ".gltf", ".vrm", ".blend")
@@ -154,7 +153,7 @@ def _append(path: Path) -> None:
 def _import(path: Path) -> None:
     kind = path.suffix.lower()
     if kind in _ADDONS:
-        addon_utils.enable(_ADDONS[kind], default_set=True)
+        addons.enable(_ADDONS[kind])
     if kind == ".bvh":
         bvh_check.check(path)
         _run(path, bpy.ops.import_anim.bvh, update_scene_fps=True, update_scene_duration=True)

@@ -1,21 +1,31 @@
-"""Keeping what Blender's importers and exporters print off stdout."""
+"""Keeping what Blender's importers, exporters and renderers print to themselves."""
 
 import contextlib
-import io
 import os
 import sys
 from collections.abc import Iterator
 
 
 @contextlib.contextmanager
-def quiet() -> Iterator[None]:
-    """Keep everything off stdout, from Python and from C, so that it carries nothing but results."""
+def quiet(errors: bool = False) -> Iterator[None]:
+    """Keep everything off stdout, from Python and from C, so that it carries nothing but results.
+
+    Args:
+        errors: Keep everything off stderr as well.
+    """
+    numbers = (1, 2) if errors else (1,)
     sys.stdout.flush()
-    kept = os.dup(1)
-    try:
-        with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(io.StringIO()):  # noqa: PTH123 - a device
-            os.dup2(nowhere.fileno(), 1)
-            yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
+    kept = {number: os.dup(number) for number in numbers}
+    with contextlib.ExitStack() as stack:
+        nowhere = stack.enter_context(open(os.devnull, "w"))  # noqa: PTH123 - a device
+        stack.enter_context(contextlib.redirect_stdout(nowhere))
+        stack.callback(_restore, kept)
+        for number in numbers:
+            os.dup2(nowhere.fileno(), number)
+        yield
+
+
+def _restore(kept: dict[int, int]) -> None:
+    for number, copy in kept.items():
+        os.dup2(copy, number)
+        os.close(copy)

@@ -5,13 +5,13 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
-import addon_utils
 import bpy
 from mathutils import Matrix
 
 from ...core.errors import FileError
 from .. import actions
 from ..rig import armature_of, scene_of
+from . import addons
 from .quiet import quiet
 
 KINDS = (".blend", ".glb", ".fbx", ".bvh")
@@ -73,7 +73,7 @@ class Outbox:
                 f"{path}: a BVH file holds one armature: write each to a file of its own with {{target}} in the name"
             )
         if kind in _ADDONS:
-            addon_utils.enable(_ADDONS[kind], default_set=True)
+            addons.enable(_ADDONS[kind])
         self._write(path, lambda temporary: _WRITERS[kind](temporary, armatures))
 
     def text(self, path: Path, text: str) -> None:
