@@ -1,6 +1,6 @@
 """A transferred motion as values of Blender's own properties: what keys hold and what the live pose shows."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 
 import bpy
@@ -14,6 +14,8 @@ from ..core.mocap.root_motion import RootMotion, Travel
 from ..core.pipeline import Result
 from .rig import Rig, pose_bone, rotations_of
 
+OFF_REST = 1e-6
+"""A channel farther than this from its neutral value shows."""
 ROTATIONS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
 
 
@@ -73,6 +75,29 @@ def body_bones(target: Rig, bones: Iterable[int]) -> list[str]:
     own = {int(b) for b in bones}
     above = {a for b in own for a in target.skeleton.tree.ancestors[b]}
     return [target.skeleton.names[b] for b in sorted(own | above)]
+
+
+def resting(
+    ob: bpy.types.Object, body: Iterable[str], moving: Iterable[Channel], animated: Container[str]
+) -> list[Channel]:
+    """Return the rest, one frame of it, for what a motion leaves alone on its bones but would show otherwise.
+
+    Args:
+        ob: The armature.
+        body: Bones that the motion owns.
+        moving: What it moves.
+        animated: Data paths that something else moves.
+    """
+    moved = {(channel.bone, channel.prop) for channel in moving}
+    out: list[Channel] = []
+    for name in body:
+        bone = pose_bone(ob, name)
+        rest = rotation(bone, name, quat.identity(1))
+        for channel in (rest, Channel(name, "location", np.zeros((1, 3))), Channel(name, "scale", np.ones((1, 3)))):
+            off = np.abs(np.array(getattr(bone, channel.prop)) - channel.values[0]).max() > OFF_REST
+            if (name, channel.prop) not in moved and (off or channel.path(ob) in animated):
+                out.append(channel)
+    return out
 
 
 def _location(target: Rig, bone: int, shifts: Array) -> Channel:

@@ -3,9 +3,7 @@
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
 
-from ..core import quat
 from ..core.arrays import Array
 from . import actions, channels
 from .actions import CurveMap, Writer
@@ -38,7 +36,7 @@ def write(
             path = channel.path(ob)
             writer.write(path, channel.values, frames, channel.bone or OBJECT_GROUP)
             written.add(path)
-        for channel in _leftovers(ob, body, old, written):
+        for channel in channels.resting(ob, body, found, {path for path, _ in old}):
             writer.write(channel.path(ob), channel.values, frames[:1], channel.bone or OBJECT_GROUP)
             written.add(channel.path(ob))
         if keep_others:
@@ -50,21 +48,6 @@ def write(
     if old_action is not None and old_action.users == 0:
         old_action.use_fake_user = True  # what nobody plays any more must still be saved
     return writer.action, writer.slot
-
-
-def _leftovers(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str]) -> list[Channel]:
-    """Return the rest for channels of the body that are not keyed but stand off rest, or would after the old action."""
-    out: list[Channel] = []
-    for name in body:
-        bone = pose_bone(ob, name)
-        rest = channels.rotation(bone, name, quat.identity(1))
-        for channel in (rest, Channel(name, "location", np.zeros((1, 3))), Channel(name, "scale", np.ones((1, 3)))):
-            path = channel.path(ob)
-            now = np.array(getattr(bone, channel.prop))
-            off_rest = np.abs(now - channel.values[0]).max() > 1e-6 or any((path, i) in old for i in range(len(now)))
-            if path not in written and off_rest:
-                out.append(channel)
-    return out
 
 
 def _copy_others(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str], writer: Writer) -> None:

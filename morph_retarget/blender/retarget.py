@@ -1,7 +1,7 @@
 """Retargeting in Blender: sample the source, run the pipeline, key the target. Data in, data out; no context."""
 
 import time
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeVar
@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ..core import pipeline, report
-from ..core.arrays import Array, Flags
+from ..core.arrays import Array
 from ..core.character.analysis import Overrides, analyze
 from ..core.character.character import Character
 from ..core.errors import MotionError, RigError
@@ -20,7 +20,9 @@ from ..core.mocap.measure import measure
 from ..core.mocap.plan import Plan, ReferencePose, RetargetSettings, prepare
 from ..core.mocap.root_motion import RootMotion
 from ..core.pipeline import Result
-from . import channels, keying, rig, sampling
+from . import channels, contacts, keying, rig, sampling
+from .channels import Channel
+from .contacts import Contact
 from .rig import Rig
 from .sampling import Clip
 
@@ -133,7 +135,7 @@ def retarget(
     character: Character,
     options: Options,
     scene: bpy.types.Scene,
-    standing: Flags | None = None,
+    given: Sequence[Contact] | None = None,
     ground: Ground | None = None,
 ) -> Outcome:
     """Give a target the source's motion as a new action, and make it play that.
@@ -146,27 +148,23 @@ def retarget(
         character: What the rig is.
         options: Choices.
         scene: Gives the frame rate.
-        standing: The user's own plants, shape (frame, foot); found from the motion when None.
+        given: The user's own contacts; found from the motion when None.
         ground: Terrain, the target's character frame.
 
     Raises:
-        RigError: The target is linked, has no legs while the source has, or lacks the root bone asked for.
+        RigError: See `transfer`.
         MappingError: The two share no joints.
+        MotionError: A contact names no foot of the source.
     """
-    check_target(target.object)
-    if source.rig.uid == target.uid:
-        raise RigError(f"source and target are both {target.name!r}: choose two armatures")
-    root = root_bone(target, character) if options.settings.root_motion is RootMotion.ROOT_BONE else None
     times = dict(source.seconds)
     start = time.perf_counter()
-    plan = make_plan(source, target, character, options)
-    result = pipeline.evaluate(plan, source.clip.pose, source.clip.seconds_per_frame, standing, ground)
+    plan, result = transfer(source, target, character, options, given, ground)
     times["transfer"] = time.perf_counter() - start
     start = time.perf_counter()
-    frames, keyed = _key_times(source.clip, result, scene, options.resample)
+    frames, keyed = key_times(source.clip, result, scene, options.resample)
     action, slot = keying.write(
         target,
-        channels.of_result(target, character, keyed, root),
+        channels_of(target, character, keyed),
         channels.body_bones(target, keyed.bones),
         frames,
         action_name(options.name, source.clip.name, source.rig.name, target.name),
@@ -177,6 +175,45 @@ def retarget(
     measures = measure(plan, result.source, result.motion, ground)
     described = report.describe(source.clip.name, target.name, len(source.clip.frames), times, plan, measures, warnings)
     return Outcome(action, slot, plan, result, described, warnings)
+
+
+def transfer(
+    source: Source,
+    target: Rig,
+    character: Character,
+    options: Options,
+    given: Sequence[Contact] | None = None,
+    ground: Ground | None = None,
+) -> tuple[Plan, Result]:
+    """Return the source's motion as the target plays it, without writing anything.
+
+    Args:
+        source: The clip.
+        target: The rig.
+        character: What the rig is.
+        options: Choices.
+        given: The user's own contacts; found from the motion when None.
+        ground: Terrain, the target's character frame.
+
+    Raises:
+        RigError: The target is linked, has no legs while the source has, or lacks the root bone asked for.
+        MappingError: The two share no joints.
+        MotionError: A contact names no foot of the source.
+    """
+    check_target(target.object)
+    if source.rig.uid == target.uid:
+        raise RigError(f"source and target are both {target.name!r}: choose two armatures")
+    if options.settings.root_motion is RootMotion.ROOT_BONE:
+        root_bone(target, character)
+    plan, clip = make_plan(source, target, character, options), source.clip
+    rows = None if given is None else contacts.standing(plan, clip, given)
+    return plan, pipeline.evaluate(plan, clip.pose, clip.seconds_per_frame, rows, ground)
+
+
+def channels_of(target: Rig, character: Character, result: Result) -> list[Channel]:
+    """Return a motion as values of the target's properties."""
+    root = root_bone(target, character) if result.root_motion is RootMotion.ROOT_BONE else None
+    return channels.of_result(target, character, result, root)
 
 
 def action_name(template: str, action: str, source: str, target: str) -> str:
@@ -193,7 +230,7 @@ def action_name(template: str, action: str, source: str, target: str) -> str:
         ) from error
 
 
-def _key_times(clip: Clip, result: Result, scene: bpy.types.Scene, resample: bool) -> tuple[Array, Result]:
+def key_times(clip: Clip, result: Result, scene: bpy.types.Scene, resample: bool) -> tuple[Array, Result]:
     """Return the frames to key and the result at these frames; the motion keeps its duration."""
     ratio = clip.seconds_per_frame / sampling.seconds_per_frame(scene)
     if abs(ratio - 1.0) < 1e-6:

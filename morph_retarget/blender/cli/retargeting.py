@@ -7,13 +7,12 @@ from pathlib import Path
 
 import bpy
 
-from ...core.character import map_file
 from ...core.character.analysis import Overrides
 from ...core.errors import FileError, MotionError, listed
 from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
-from .. import actions, retarget, rig, sampling, terrain
+from .. import actions, presets, retarget, rig, sampling, terrain
 from ..io import load, save
 from ..io.load import Request
 from ..retarget import Options, Outcome, Reference, Source
@@ -234,13 +233,7 @@ def _options(arguments: argparse.Namespace) -> Options:
 
 
 def _read_map(path: str | None) -> dict[str, str]:
-    if path is None:
-        return {}
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{path}: cannot be read as a joint map: check the path") from error
-    return map_file.parse(text, path)
+    return {} if path is None else presets.load(Path(path))
 
 
 # --- sources ---

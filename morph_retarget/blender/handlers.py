@@ -1,0 +1,54 @@
+"""The handlers: one that shows live poses, and those that keep run-time state and saved data in order."""
+
+from typing import Any
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import live, migrations
+
+
+@persistent
+def _on_frame(scene: bpy.types.Scene, *_: object) -> None:
+    live.show_frame(scene)
+
+
+@persistent
+def _on_load(*_: object) -> None:
+    live.forget()
+    migrations.upgrade()
+
+
+@persistent
+def _on_undo(*_: object) -> None:
+    live.forget()
+
+
+@persistent
+def _on_save(*_: object) -> None:
+    migrations.stamp()
+
+
+def _pairs() -> list[tuple[list[Any], Any]]:
+    handlers = bpy.app.handlers
+    return [
+        (handlers.frame_change_post, _on_frame),
+        (handlers.load_post, _on_load),
+        (handlers.undo_post, _on_undo),
+        (handlers.redo_post, _on_undo),
+        (handlers.save_pre, _on_save),
+    ]
+
+
+def attach() -> None:
+    """Append the handlers, each once."""
+    for found, handler in _pairs():
+        if handler not in found:
+            found.append(handler)
+
+
+def detach() -> None:
+    """Remove the handlers; one left behind blocks the end of Blender 4.5 as a module."""
+    for found, handler in _pairs():
+        if handler in found:
+            found.remove(handler)

@@ -1,0 +1,30 @@
+"""Versions of what files keep: stamped on save, brought up to date on load."""
+
+from collections.abc import Callable, Mapping
+
+import bpy
+
+from .properties import MORPHRETARGET_PG_scene, of_scene
+
+VERSION = 1
+
+STEPS: Mapping[int, Callable[[MORPHRETARGET_PG_scene], None]] = {}
+"""What brings a scene from a version to the next one; nothing has changed yet."""
+
+
+def stamp() -> None:
+    """Mark all scenes with the present version."""
+    for scene in bpy.data.scenes:
+        if scene.library is None:
+            of_scene(scene).version = VERSION
+
+
+def upgrade() -> None:
+    """Bring all scenes up to date."""
+    for scene in bpy.data.scenes:
+        settings = of_scene(scene)
+        if scene.library is not None or settings.version == 0:  # linked, or never saved with data of ours
+            continue
+        for version in range(settings.version, VERSION):
+            STEPS[version](settings)
+        settings.version = max(settings.version, VERSION)

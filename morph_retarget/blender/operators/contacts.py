@@ -1,0 +1,120 @@
+"""Finding and editing when the source's feet stand."""
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+
+from ...core.errors import MotionError
+from .. import collect, contacts, retarget
+from ..properties import of_rig, of_scene
+from .manners import Status, refuse, reporting, scene_in
+
+
+def _source(context: bpy.types.Context) -> bpy.types.Object | None:
+    return of_scene(scene_in(context)).source
+
+
+class MORPHRETARGET_OT_detect_contacts(bpy.types.Operator):
+    bl_idname = "morph_retarget.detect_contacts"
+    bl_label = "Detect Contacts"
+    bl_description = "Find when the source's feet stand in its present action, and list it for editing"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: StringProperty(name="Source", description="Armature object; the panel's source when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _source(context) is not None or refuse(cls, "Choose a source first")
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        scene = scene_in(context)
+        ob = collect.armature(self.source, "source") if self.source else _source(context)
+        assert ob is not None, "poll has checked that there is a source"
+        action, slot = collect.actions_of(ob)[0]
+        source = retarget.run(collect.source_of(ob, action, slot, scene))
+        found = contacts.found(source.character, source.clip)
+        settings = of_rig(ob)
+        settings.contacts.clear()
+        settings.contacts_action = action.name
+        for contact in found:
+            item = settings.contacts.add()
+            item.name, item.start, item.end = contact.foot, round(contact.start), round(contact.end)
+        self.report({"INFO"}, f"{len(found)} contacts found in {action.name!r}")
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_clear_contacts(bpy.types.Operator):
+    bl_idname = "morph_retarget.clear_contacts"
+    bl_label = "Clear Contacts"
+    bl_description = "Forget the listed contacts; the feet are watched again at each retarget"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = _source(context)
+        return (ob is not None and len(of_rig(ob).contacts) > 0) or refuse(cls, "No contacts are listed")
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _source(context)
+        assert ob is not None, "poll has checked that there is a source"
+        of_rig(ob).contacts.clear()
+        of_rig(ob).contacts_action = ""
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_add_contact(bpy.types.Operator):
+    bl_idname = "morph_retarget.add_contact"
+    bl_label = "Add Contact"
+    bl_description = "Add a contact at the current frame, for the foot of the active one"
+    bl_options = {"REGISTER", "UNDO"}
+
+    foot: StringProperty(name="Foot", description="Bone of the foot; that of the active contact when empty")
+    start: IntProperty(name="Start", description="First frame; the current one when 0")
+    end: IntProperty(name="End", description="Last frame; ten after the current one when 0")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _source(context) is not None or refuse(cls, "Choose a source first")
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _source(context)
+        assert ob is not None, "poll has checked that there is a source"
+        settings = of_rig(ob)
+        if not self.foot and not settings.contacts:
+            raise MotionError("no foot is known yet: detect contacts first, or name the bone of the foot")
+        foot = self.foot or settings.contacts[settings.active_contact].name
+        now = scene_in(context).frame_current
+        item = settings.contacts.add()
+        item.name, item.start, item.end = foot, self.start or now, self.end or now + 10
+        settings.active_contact = len(settings.contacts) - 1
+        settings.contacts_action = collect.actions_of(ob)[0][0].name
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_contact(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_contact"
+    bl_label = "Remove Contact"
+    bl_description = "Remove the active contact from the list"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        ob = _source(context)
+        return (ob is not None and len(of_rig(ob).contacts) > 0) or refuse(cls, "No contacts are listed")
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _source(context)
+        assert ob is not None, "poll has checked that there is a source"
+        settings = of_rig(ob)
+        settings.contacts.remove(settings.active_contact)
+        settings.active_contact = max(min(settings.active_contact, len(settings.contacts) - 1), 0)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    MORPHRETARGET_OT_detect_contacts,
+    MORPHRETARGET_OT_clear_contacts,
+    MORPHRETARGET_OT_add_contact,
+    MORPHRETARGET_OT_remove_contact,
+)

@@ -1,0 +1,59 @@
+"""What all operators share: errors as reports, and which rig is meant."""
+
+import functools
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+from ...core.errors import MorphError, RigError
+from .. import collect
+from ..properties import of_scene
+
+Status = set[str]
+
+
+def reporting(method: Callable[[Any, bpy.types.Context], Status]) -> Callable[[Any, bpy.types.Context], Status]:
+    """Turn a user's error into a report; scripts get it as a RuntimeError, as from all of Blender's operators."""
+
+    @functools.wraps(method)
+    def polite(self: Any, context: bpy.types.Context) -> Status:
+        try:
+            return method(self, context)
+        except MorphError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    return polite
+
+
+def scene_in(context: bpy.types.Context) -> bpy.types.Scene:
+    """Return the scene; operators are only offered where there is one."""
+    assert context.scene is not None, "operators run in a window with a scene"
+    return context.scene
+
+
+def shown_rig(context: bpy.types.Context) -> bpy.types.Object | None:
+    """Return the rig whose joints the panel lists."""
+    settings = of_scene(scene_in(context))
+    return settings.source if settings.shown == "SOURCE" else settings.target
+
+
+def rig_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
+    """Return the armature called ``name``, or the one that the panel shows.
+
+    Raises:
+        RigError: There is none.
+    """
+    if name:
+        return collect.armature(name, "rig")
+    found = shown_rig(context)
+    if found is None:
+        raise RigError("no rig is chosen: set Source and Target in the panel, or name a rig")
+    return found
+
+
+def refuse(cls: type[bpy.types.Operator], reason: str) -> bool:
+    """Say why an operator cannot run now, and return False for its ``poll``."""
+    cls.poll_message_set(reason)
+    return False

@@ -1,0 +1,161 @@
+"""Retargeting with progress, cancel and one step of undo."""
+
+import time
+from collections.abc import Generator
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from ...core.errors import MorphError
+from .. import actions, collect, live, retarget
+from ..collect import Clips
+from ..properties import of_rig, of_scene
+from ..retarget import Outcome
+from .manners import Status, refuse, reporting, scene_in
+
+SLICE = 0.05
+"""The window is served at least this often [s]."""
+
+latest: dict[int, dict[str, Any]] = {}
+"""Report of each target's last retarget, by session-wide number."""
+
+
+def steps(
+    scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, clips: Clips
+) -> Generator[float, None, list[Outcome]]:
+    """Retarget clips one after another in steps; yields the share done and returns the outcomes.
+
+    When it fails or is closed before its end, the actions that it has made are removed and the target plays what it
+    played before.
+
+    Raises:
+        MorphError: See `retarget.retarget`.
+    """
+    retarget.check_target(target)
+    options, before = of_scene(scene).options(), actions.assigned(target)
+    own, character = collect.target_of(target)
+    ground = collect.ground_of(scene, character)
+    done: list[Outcome] = []
+    try:
+        for i, (action, slot) in enumerate(clips):
+            sampling = collect.source_of(source, action, slot, scene)
+            while True:
+                try:
+                    share = next(sampling)
+                except StopIteration as end:
+                    clip = end.value
+                    break
+                yield (i + share) / len(clips)
+            given = collect.contacts_of(source, action)
+            done.append(retarget.retarget(clip, own, character, options, scene, given, ground))
+            yield (i + 1) / len(clips)
+    except BaseException:
+        actions.assign(target, *before)
+        for outcome in done:
+            bpy.data.actions.remove(outcome.action)
+        raise
+    return done
+
+
+class MORPHRETARGET_OT_retarget(bpy.types.Operator):
+    bl_idname = "morph_retarget.retarget"
+    bl_label = "Retarget"
+    bl_description = "Give the target the source's motion as a new action; its old action is kept as it is"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: StringProperty(name="Source", description="Armature object; the panel's source when empty")
+    target: StringProperty(name="Target", description="Armature object; the panel's target when empty")
+    action: StringProperty(name="Action", description="Action of the source; the one that it plays when empty")
+    all_actions: BoolProperty(name="All Actions", description="Retarget every action that moves the source")
+
+    _work: Generator[float, None, list[Outcome]]
+    _timer: bpy.types.Timer
+    _target: bpy.types.Object
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        if context.scene is None or len(bpy.data.armatures) < 1:
+            return refuse(cls, "There is no armature in this file")
+        settings = of_scene(context.scene)
+        if settings.source is not None and settings.source == settings.target:
+            return refuse(cls, "Source and target are the same armature")
+        return True
+
+    def _start(self, context: bpy.types.Context) -> None:
+        scene = scene_in(context)
+        settings = of_scene(scene)
+        source = collect.armature(self.source or (settings.source.name if settings.source else ""), "source")
+        self._target = collect.armature(self.target or (settings.target.name if settings.target else ""), "target")
+        clips = collect.actions_of(source, self.action, self.all_actions or settings.all_actions)
+        self._work = steps(scene, source, self._target, clips)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        self._start(context)
+        return self._finish(retarget.run(self._work))
+
+    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
+        return self._begin(context)
+
+    @reporting
+    def _begin(self, context: bpy.types.Context) -> Status:
+        self._start(context)
+        window = context.window_manager
+        assert window is not None, "operators are invoked in a window"
+        window.progress_begin(0.0, 1.0)
+        self._timer = window.event_timer_add(0.01, window=context.window)
+        window.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        if event.type == "ESC":
+            self._work.close()
+            self._leave(context)
+            self.report({"INFO"}, "Retargeting cancelled; nothing was changed")
+            return {"CANCELLED"}
+        if event.type != "TIMER":
+            return {"RUNNING_MODAL"}
+        return self._go_on(context)
+
+    def _go_on(self, context: bpy.types.Context) -> Status:
+        until, share = time.perf_counter() + SLICE, 0.0
+        try:
+            while time.perf_counter() < until:
+                share = next(self._work)
+        except StopIteration as end:
+            self._leave(context)
+            return self._finish(end.value)
+        except MorphError as error:
+            self._leave(context)
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        window = context.window_manager
+        assert window is not None, "operators are invoked in a window"
+        window.progress_update(share)
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"Retargeting: {share:.0%}   Esc: Cancel")
+        return {"RUNNING_MODAL"}
+
+    def _leave(self, context: bpy.types.Context) -> None:
+        window = context.window_manager
+        assert window is not None, "operators are invoked in a window"
+        window.event_timer_remove(self._timer)
+        window.progress_end()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+    def _finish(self, outcomes: list[Outcome]) -> Status:
+        target = self._target
+        if of_rig(target).live_source is not None:
+            live.stop(target, clear=False)
+        for warning in dict.fromkeys(w for outcome in outcomes for w in outcome.warnings):
+            self.report({"WARNING"}, warning)
+        last = outcomes[-1]
+        latest[target.session_uid] = last.report
+        made = f"{len(outcomes)} actions" if len(outcomes) > 1 else f"action {last.action.name!r}"
+        self.report({"INFO"}, f"Made {made} with {last.report['joints_mapped']} bones")
+        return {"FINISHED"}
+
+
+CLASSES = (MORPHRETARGET_OT_retarget,)

@@ -1,0 +1,74 @@
+"""Joint maps that users keep: JSON files in the extension's own folder."""
+
+from pathlib import Path
+
+import bpy
+
+from ..core.character import map_file
+from ..core.errors import FileError
+
+_folder: list[Path] = []
+
+
+def use(package: str) -> None:
+    """Choose the folder of an extension by its package name; a copy that is no extension uses Blender's own folder."""
+    if package.startswith("bl_ext."):
+        path = bpy.utils.extension_path_user(package, path="presets", create=False)
+    else:
+        path = bpy.utils.user_resource("SCRIPTS", path="presets/morph_retarget")
+    _folder[:] = [Path(path)]
+
+
+def names() -> list[str]:
+    """Return the presets, in order of their names."""
+    return sorted(path.stem for path in _folder[0].glob("*.json")) if _folder and _folder[0].is_dir() else []
+
+
+def path_of(name: str) -> Path:
+    """Return the file of a preset.
+
+    Raises:
+        FileError: The name cannot be that of a file.
+    """
+    if not name.strip() or any(c in name for c in '/\\:*?"<>|') or name.startswith("."):
+        raise FileError(f"preset name {name!r}: use letters, digits and spaces")
+    return _folder[0] / f"{name}.json"
+
+
+def save(path: Path, joints: dict[str, str]) -> None:
+    """Write a joint map.
+
+    Raises:
+        FileError: It cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(map_file.preset(joints), encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"{path}: cannot be written ({error.strerror}): choose another place") from error
+
+
+def load(path: Path) -> dict[str, str]:
+    """Read a joint map.
+
+    Raises:
+        FileError: It cannot be read.
+        MappingError: It is no joint map.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise FileError(f"{path}: cannot be read as a joint map: check the path") from error
+    return map_file.parse(text, str(path))
+
+
+def delete(name: str) -> None:
+    """Delete a preset.
+
+    Raises:
+        FileError: There is none of that name.
+    """
+    path = path_of(name)
+    if not path.exists():
+        raise FileError(f"there is no preset {name!r}: choose one of {', '.join(names()) or 'none'}")
+    path.unlink()

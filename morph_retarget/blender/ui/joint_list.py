@@ -1,0 +1,106 @@
+"""The list of joints: sure, doubtful or missing, each with the bone that plays it."""
+
+# The stubs take every layout and every operator button for optional.
+# pyright: reportOptionalMemberAccess=false, reportArgumentType=false
+
+import re
+from typing import Any
+
+import bpy
+
+from ...core.character.joints import FINGER_JOINTS
+from ..properties import MORPHRETARGET_PG_joint, of_rig
+from ..rig import armature_of
+
+SURE = 0.8
+"""Confidence from which on a joint is not marked as doubtful."""
+REQUIRED = frozenset(
+    ["hips", "spine", "head"]
+    + [side + joint for side in ("left", "right") for joint in ("UpperArm", "LowerArm", "Hand")]
+    + [side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot")]
+)
+"""Joints that every humanoid has by VRM 1.0."""
+
+
+def label(joint: str) -> str:
+    """Return a joint's name for people: "Left Upper Arm"."""
+    return re.sub(r"(?<!^)(?=[A-Z])", " ", joint).title()
+
+
+def icon(joint: MORPHRETARGET_PG_joint) -> Any:
+    """Return the icon that tells how sure a joint is."""
+    if not joint.bone:
+        return "ERROR" if joint.name in REQUIRED and joint.by != "user" else "RADIOBUT_OFF"
+    if joint.by in ("user", "preset"):
+        return "USER"
+    return "CHECKMARK" if joint.confidence >= SURE else "QUESTION"
+
+
+class MORPHRETARGET_UL_joints(bpy.types.UIList):
+    """Joints with their bones."""
+
+    bl_idname = "MORPHRETARGET_UL_joints"
+
+    show_fingers: bpy.props.BoolProperty(name="Fingers", description="List the joints of the fingers too")
+    show_missing: bpy.props.BoolProperty(
+        name="Missing", description="List joints that the rig does not have too", default=True
+    )
+
+    def draw_item(
+        self,
+        _context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        data: Any,
+        item: Any,
+        _icon: int | None,
+        _active_data: Any,
+        _active_property: str | None,
+        *_: Any,
+    ) -> None:
+        split = layout.split(factor=0.48)
+        split.label(text=label(item.name), icon=icon(item), translate=False)
+        split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="", icon="BONE_DATA")
+
+    def draw_filter(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
+        row = layout.row(align=True)
+        row.prop(self, "filter_name", text="")
+        row.prop(self, "show_fingers", toggle=True)
+        row.prop(self, "show_missing", toggle=True)
+
+    def filter_items(self, _context: bpy.types.Context, data: Any, _property: str) -> tuple[list[int], list[int]]:
+        wanted = self.filter_name.lower()
+        flags = [
+            self.bitflag_filter_item
+            if (self.show_fingers or joint.name not in FINGER_JOINTS)
+            and (self.show_missing or joint.bone)
+            and (wanted in label(joint.name).lower() or wanted in joint.bone.lower())
+            else 0
+            for joint in of_rig(data.id_data).joints
+        ]
+        return flags, []
+
+
+class MORPHRETARGET_UL_contacts(bpy.types.UIList):
+    """Intervals in which feet stand."""
+
+    bl_idname = "MORPHRETARGET_UL_contacts"
+
+    def draw_item(
+        self,
+        _context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: Any,
+        _icon: int | None,
+        _active_data: Any,
+        _active_property: str | None,
+        *_: Any,
+    ) -> None:
+        split = layout.split(factor=0.5)
+        split.label(text=item.name, translate=False)
+        row = split.row(align=True)
+        row.prop(item, "start", text="", emboss=False)
+        row.prop(item, "end", text="", emboss=False)
+
+
+CLASSES = (MORPHRETARGET_UL_joints, MORPHRETARGET_UL_contacts)
