@@ -62,6 +62,16 @@ def test_a_pose_that_is_already_right_is_left_alone() -> None:
     assert quat.angle_between(out, turns).max() < 1e-9
 
 
+def test_a_nearly_straight_leg_can_be_made_much_shorter() -> None:
+    rng = np.random.default_rng(4)
+    turns = _bent(40)
+    there = _end(LEG, turns, HIP)
+    shorter = HIP + (there - HIP) * rng.uniform(0.6, 0.8, size=(40, 1))
+    out, error = _solve(shorter)
+    assert np.linalg.norm(_end(LEG, out, HIP) - shorter, axis=-1).max() < 1e-3
+    assert error.max() < 1e-3
+
+
 def test_targets_out_of_reach_are_pulled_into_the_sphere_of_reach() -> None:
     targets = np.array([[0.0, -3.0, 0.0], [0.0, 0.0, -5.0]])
     turns, error = _solve(targets)

@@ -220,7 +220,7 @@ def _mend(foot: _Foot, roll: Array, inside: slice, leg_length: float, settings: 
     out = -_share(slide, ankle, leg_length, settings) * slide
     pivot = roll[inside] - _share(foot.ball_path[inside], ball, leg_length, settings) * foot.ball_path[inside]
     for first, last in contacts.runs(ball & ~ankle):
-        out[first : last + 1] = _continued(out, pivot, first, last)
+        _roll_on(out, pivot, first, last)
     return out
 
 
@@ -232,17 +232,26 @@ def _share(path: Array, resting: Flags, leg_length: float, settings: FeetSetting
     return settings.lock * min(max(2.0 - reach / (settings.drift * leg_length), 0.0), 1.0)
 
 
-def _continued(out: Array, pivot: Array, first: int, last: int) -> Array:
-    """Return ``pivot`` over a run of frames, shifted so that it continues ``out`` before and after the run."""
-    own = pivot[first : last + 1]
-    before = own - pivot[first - 1] + out[first - 1] if first > 0 else None
-    after = own - pivot[last + 1] + out[last + 1] if last + 1 < len(out) else None
-    if before is not None and after is not None:
-        t = np.linspace(0.0, 1.0, len(own) + 2)[1:-1, None]
-        return before + t * (after - before)
-    if before is not None:
-        return before
-    return own - own.mean(axis=0) if after is None else after
+def _roll_on(out: Array, pivot: Array, first: int, last: int) -> None:
+    """Let ``out`` follow ``pivot`` over a run of frames in which only the ball stands, from where it was before.
+
+    An ankle that comes to rest again does so where the ball has led it: on feet of other proportions not where the
+    source's did, which would drag the ball along. Its height is its own, and reached evenly over the run.
+    """
+    inside = slice(first, last + 1)
+    own = pivot[inside]
+    before, after = first > 0, last + 1 < len(out)
+    if before:
+        own = own - pivot[first - 1] + out[first - 1]
+        if after:
+            apart = pivot[last + 1] - pivot[first - 1] + out[first - 1] - out[last + 1]
+            own = own - np.linspace(0.0, 1.0, len(own) + 2)[1:-1, None] * apart * np.array([0.0, 0.0, 1.0])
+            out[last + 1 :] += apart * np.array([1.0, 1.0, 0.0])
+    elif after:
+        own = own - pivot[last + 1] + out[last + 1]
+    else:
+        own = own - own.mean(axis=0)
+    out[inside] = own
 
 
 def _mean(values: Array, where: Flags) -> Array:

@@ -114,7 +114,8 @@ def solve(
         )
         if step == settings.iterations or not going.any():
             break
-        before[active] = error[active]
+        # The first step of a straight leg may only unlock its knee, which brings the foot no nearer yet.
+        before[active] = error[active] if step else np.inf
         active = active[going]
         pull = settings.pull * 0.5**step
         dz = pull * _toward(problem, now[going], turns[active])
