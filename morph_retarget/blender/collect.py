@@ -92,6 +92,19 @@ def armature(name: str, role: str) -> bpy.types.Object:
     return found
 
 
+def chosen(name: str, ob: bpy.types.Object | None, role: str) -> bpy.types.Object:
+    """Return the armature called ``name``, or the one chosen in the panel.
+
+    Raises:
+        RigError: There is none.
+    """
+    if name:
+        return armature(name, role)
+    if ob is None:
+        raise RigError(f"no {role} is chosen: set it in the panel, or give its name")
+    return ob
+
+
 def needs_steps(ob: bpy.types.Object, action: bpy.types.Action, slot: bpy.types.ActionSlot) -> bool:
     """Return whether an action can only be sampled by stepping through frames."""
     return bool(sampling.reasons_to_step(rig.read(ob), actions.curves(action, slot)))

@@ -22,14 +22,13 @@ class MORPHRETARGET_OT_detect_contacts(bpy.types.Operator):
     source: StringProperty(name="Source", description="Armature object; the panel's source when empty")
 
     @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _source(context) is not None or refuse(cls, "Choose a source first")
+    def poll(cls, _: bpy.types.Context) -> bool:
+        return len(bpy.data.armatures) > 0 or refuse(cls, "There is no armature in this file")
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         scene = scene_in(context)
-        ob = collect.armature(self.source, "source") if self.source else _source(context)
-        assert ob is not None, "poll has checked that there is a source"
+        ob = collect.chosen(self.source, _source(context), "source")
         action, slot = collect.actions_of(ob)[0]
         source = retarget.run(collect.source_of(ob, action, slot, scene))
         found = contacts.found(source.character, source.clip)

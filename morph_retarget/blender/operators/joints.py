@@ -9,7 +9,7 @@ from ...core.errors import MappingError, RigError
 from .. import collect
 from ..properties import of_rig
 from ..rig import armature_of
-from .manners import Status, refuse, reporting, rig_meant, scene_in, shown_rig
+from .manners import Status, refuse, reporting, rig_meant, scene_in
 from .rigs import analyze
 
 NEAR = 0.08
@@ -26,10 +26,9 @@ class _OnJoint(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        ob = shown_rig(context)
-        if ob is None:
-            return refuse(cls, "Choose a source or target first")
-        return len(of_rig(ob).joints) > 0 or refuse(cls, "Analyze the rig first")
+        objects = context.scene.objects if context.scene is not None else ()
+        known = any(len(of_rig(ob).joints) for ob in objects if ob.type == "ARMATURE")
+        return known or refuse(cls, "Analyze a rig first")
 
     def _meant(self, context: bpy.types.Context) -> tuple[bpy.types.Object, str]:
         ob = rig_meant(context, self.rig)

@@ -3,10 +3,9 @@
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ...core.errors import RigError
 from .. import collect, live
 from ..properties import of_scene
-from .manners import Status, refuse, reporting, scene_in
+from .manners import Status, pair_poll, reporting, scene_in
 
 
 class MORPHRETARGET_OT_live_start(bpy.types.Operator):
@@ -20,14 +19,13 @@ class MORPHRETARGET_OT_live_start(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        settings = of_scene(scene_in(context))
-        return bool(settings.source and settings.target) or refuse(cls, "Choose a source and a target first")
+        return pair_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         settings = of_scene(scene_in(context))
-        source = collect.armature(self.source, "source") if self.source else settings.source
-        target = collect.armature(self.target, "target") if self.target else settings.target
+        source = collect.chosen(self.source, settings.source, "source")
+        target = collect.chosen(self.target, settings.target, "target")
         live.start(scene_in(context), source, target)
         return {"FINISHED"}
 
@@ -43,10 +41,7 @@ class MORPHRETARGET_OT_live_stop(bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        chosen = of_scene(scene_in(context)).target
-        target = collect.armature(self.target, "target") if self.target else chosen
-        if target is None:
-            raise RigError("no target is chosen: set Target in the panel, or name a rig")
+        target = collect.chosen(self.target, of_scene(scene_in(context)).target, "target")
         live.stop(target, self.clear)
         return {"FINISHED"}
 

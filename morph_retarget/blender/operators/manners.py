@@ -53,6 +53,18 @@ def rig_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
     return found
 
 
+def pair_poll(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Return whether a source and a target are chosen, or none of them, as when a script names them."""
+    if context.scene is None or len([ob for ob in context.scene.objects if ob.type == "ARMATURE"]) < 2:
+        return refuse(cls, "The scene needs two armatures, one that moves and one that shall move")
+    settings = of_scene(context.scene)
+    if settings.source is None and settings.target is None:
+        return True
+    if settings.source is None or settings.target is None:
+        return refuse(cls, f"Choose a {'source' if settings.source is None else 'target'} first")
+    return settings.source != settings.target or refuse(cls, "Source and target are the same armature")
+
+
 def refuse(cls: type[bpy.types.Operator], reason: str) -> bool:
     """Say why an operator cannot run now, and return False for its ``poll``."""
     cls.poll_message_set(reason)

@@ -12,7 +12,7 @@ from .. import actions, collect, live, retarget
 from ..collect import Clips
 from ..properties import of_rig, of_scene
 from ..retarget import Outcome
-from .manners import Status, refuse, reporting, scene_in
+from .manners import Status, pair_poll, reporting, scene_in
 
 SLICE = 0.05
 """The window is served at least this often [s]."""
@@ -75,18 +75,13 @@ class MORPHRETARGET_OT_retarget(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        if context.scene is None or len(bpy.data.armatures) < 1:
-            return refuse(cls, "There is no armature in this file")
-        settings = of_scene(context.scene)
-        if settings.source is not None and settings.source == settings.target:
-            return refuse(cls, "Source and target are the same armature")
-        return True
+        return pair_poll(cls, context)
 
     def _start(self, context: bpy.types.Context) -> None:
         scene = scene_in(context)
         settings = of_scene(scene)
-        source = collect.armature(self.source or (settings.source.name if settings.source else ""), "source")
-        self._target = collect.armature(self.target or (settings.target.name if settings.target else ""), "target")
+        source = collect.chosen(self.source, settings.source, "source")
+        self._target = collect.chosen(self.target, settings.target, "target")
         clips = collect.actions_of(source, self.action, self.all_actions or settings.all_actions)
         self._work = steps(scene, source, self._target, clips)
 

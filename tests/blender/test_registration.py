@@ -1,0 +1,86 @@
+"""The extension comes and goes without leaving anything behind."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+from morph_retarget.blender import handlers, properties, registration
+from tests.blender import window
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def _handlers() -> int:
+    return sum(handler in found for found, handler in handlers._pairs())
+
+
+def test_it_registers_unregisters_and_registers_again() -> None:
+    for _ in range(2):
+        with window.registered():
+            assert hasattr(bpy.types.Scene, "morph_retarget")
+            assert _handlers() == 5
+            assert bpy.ops.morph_retarget.retarget.idname_py() == "morph_retarget.retarget"
+        assert not hasattr(bpy.types.Scene, "morph_retarget")
+        assert not hasattr(bpy.types.Object, "morph_retarget")
+        assert _handlers() == 0
+        assert not properties.listeners
+
+
+def test_each_operator_and_property_says_what_it_does() -> None:
+    with window.registered():
+        for cls in registration.CLASSES:
+            if issubclass(cls, bpy.types.Operator):
+                assert cls.bl_description, cls
+                assert not cls.bl_description.endswith("."), cls
+            for prop in cls.bl_rna.properties if issubclass(cls, bpy.types.PropertyGroup) else ():
+                if prop.identifier not in {"rna_type", "name"}:
+                    assert prop.description, (cls, prop.identifier)
+                    assert not prop.description.endswith("."), (cls, prop.identifier)
+
+
+def test_every_operator_can_be_found_by_its_name() -> None:
+    with window.registered():
+        for cls in registration.CLASSES:
+            if issubclass(cls, bpy.types.Operator):
+                module, name = cls.bl_idname.split(".")
+                assert module == "morph_retarget"
+                assert cls.__name__ == f"MORPHRETARGET_OT_{name}"
+                assert getattr(bpy.ops.morph_retarget, name).get_rna_type()
+
+
+_INSTALL = """
+import sys, bpy
+bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True)
+assert "bl_ext.user_default.morph_retarget" in bpy.context.preferences.addons
+from bl_ext.user_default.morph_retarget.morph_retarget.blender import presets
+assert bpy.ops.object.armature_add() == {"FINISHED"}
+assert not presets.names()
+folder = str(presets.path_of("Mine"))
+assert "morph_retarget" in folder and sys.argv[2] in folder, folder
+presets.save(presets.path_of("Mine"), {"hips": "Bone"})
+assert presets.names() == ["Mine"]
+bpy.ops.preferences.addon_disable(module="bl_ext.user_default.morph_retarget")
+print("installed and used")
+"""
+
+
+def test_the_built_extension_installs_into_an_empty_profile(tmp_path: Path) -> None:
+    tool = "import sys, bpy; from bl_pkg.bl_extension_cli import cli_extension_handler as e; sys.exit(e(sys.argv[1:]))"
+    build = [sys.executable, "-c", tool, "build", "--source-dir", str(ROOT), "--output-dir", str(tmp_path)]
+    subprocess.run(build, check=True, capture_output=True)
+    zipped = next(tmp_path.glob("*.zip"))
+    profile = tmp_path / "profile"
+    profile.mkdir()
+    done = subprocess.run(
+        [sys.executable, "-c", _INSTALL, str(zipped), str(profile)],
+        env={"BLENDER_USER_RESOURCES": str(profile), "PATH": "/usr/bin:/bin", "HOME": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    if "installed and used" not in done.stdout:
+        pytest.fail(done.stdout + done.stderr)
