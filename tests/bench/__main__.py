@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import core, length, mapping, mesh, retarget, transfer
+from . import core, length, live, mapping, mesh, retarget, transfer
 from .figures import Figure, table
 
 BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
@@ -22,6 +22,7 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "retarget": retarget.run,
     "mesh": mesh.run,
     "length": length.run,
+    "live": live.run,
 }
 
 

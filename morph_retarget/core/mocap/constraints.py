@@ -104,7 +104,7 @@ def soften_reach(
     width = max(round(SOFT_TIME / seconds_per_frame), 1)
     for f, leg in enumerate(legs):
         away = targets[:, f] - roots[:, f]
-        share: Array = np.linalg.norm(away, axis=-1) / reach(leg, rest)
+        share: Array = quat.length(away) / reach(leg, rest)
         room = REACH - SOFT_REACH
         slowed: Array = REACH - room * np.exp(-(share - SOFT_REACH) / room)
         eased = np.where(share > SOFT_REACH, slowed, share)
@@ -170,7 +170,7 @@ def _within_reach(limb: LimbLinks, points: Array, targets: Array, rest: Array) -
     The paper's sphere around the root is wider; beyond a straight leg it would leave the knee to snap to and fro.
     """
     away = targets - points[:, limb.chain[0]]
-    distance = np.linalg.norm(away, axis=-1, keepdims=True)
+    distance = quat.length(away)[..., None]
     shrink = np.minimum(1.0, REACH * reach(limb, rest) / np.maximum(distance, 1e-12))
     return points[:, limb.chain[0]] + shrink * away
 
@@ -193,8 +193,8 @@ def _bent(limb: LimbLinks, turns: Array, points: Array, targets: Array, rest: Ar
     upper, lower, end = limb.chain
     first, second = _segment(turns, rest, upper, lower), _segment(turns, rest, lower, end)
     bend = _angle(first, second)
-    whole = np.linalg.norm(first + second, axis=-1)
-    shorter = np.linalg.norm(targets - points[:, upper], axis=-1) < 0.999 * whole
+    whole = quat.length(first + second)
+    shorter = quat.length(targets - points[:, upper]) < 0.999 * whole
     stuck = (bend < STRAIGHT) & shorter
     if not stuck.any():
         return turns

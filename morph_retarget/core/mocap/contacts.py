@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .. import quat
 from ..arrays import Array, Flags
 
 
@@ -77,7 +78,7 @@ def speeds(points: Array, seconds_per_frame: float) -> Array:
     """
     half = max(round(0.5 * SPEED_TIME / seconds_per_frame), 1)
     half = min(half, len(points) - 1)
-    speed = np.linalg.norm(points[half:] - points[:-half], axis=-1) / (half * seconds_per_frame)
+    speed = quat.length(points[half:] - points[:-half]) / (half * seconds_per_frame)
     wide = [(0, 0)] * (speed.ndim - 1)
     before = np.pad(speed, [(half, 0), *wide], mode="edge")
     after = np.pad(speed, [(0, half), *wide], mode="edge")

@@ -9,6 +9,7 @@ only the ball of a foot stands it is the ball that keeps the source's path, not 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 
@@ -89,9 +90,9 @@ def _floor(points: Array, resting: Flags, low: float) -> Array:
     """Return the height of each point on the lowest floor: of its plants up to ``low`` above it, the middle one."""
     out = np.empty(points.shape[1])
     for foot in range(points.shape[1]):
-        heights = [float(np.median(points[a : b + 1, foot, 2])) for a, b in contacts.runs(resting[:, foot])]
+        heights = [median(points[a : b + 1, foot, 2].tolist()) for a, b in contacts.runs(resting[:, foot])]
         lowest = [h for h in heights if h < min(heights) + low]
-        out[foot] = float(np.median(lowest)) if lowest else float(points[:, foot, 2].min())
+        out[foot] = median(lowest) if lowest else float(points[:, foot, 2].min())
     return out
 
 

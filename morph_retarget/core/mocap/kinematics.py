@@ -31,8 +31,12 @@ def source_points(links: Links, positions: Array, local_to_character: Placement)
         positions: Bone heads in armature space, shape (frame, bone, 3).
         local_to_character: From the source's armature space to its character frame.
     """
-    first, second = positions[:, links.source[:, 0]], positions[:, links.source[:, 1]]
-    return local_to_character.points(first + links.weight[:, None] * (second - first))
+    out = positions[:, links.source[:, 0]]
+    shared = np.flatnonzero(links.weight > 0.0)
+    if len(shared):
+        second = positions[:, links.source[shared, 1]]
+        out[:, shared] += links.weight[shared, None] * (second - out[:, shared])
+    return local_to_character.points(out)
 
 
 def follow_curve(links: Links, turns: Array, points: Array, rest: Array) -> Array:
@@ -81,8 +85,10 @@ def place(points: Array, rest: Array, turns: Array, tree: Tree, links: Indices) 
         links: The links to place, shape (n,).
     """
     out = points.copy()
+    wanted = np.zeros(len(tree), dtype=bool)
+    wanted[links] = True
     for level in tree.levels[1:]:
-        own = level[np.isin(level, links)]
+        own = level[wanted[level]]
         carriers = tree.parents[own]
         out[:, own] = out[:, carriers] + quat.rotate(turns[:, carriers], rest[own] - rest[carriers])
     return out

@@ -48,7 +48,7 @@ def direction_errors(links: Links, source_points: Array, target_points: Array) -
     after = links.after[own]
     a = quat.unit(source_points[:, after] - source_points[:, own])
     b = quat.unit(target_points[:, after] - target_points[:, own])
-    return np.degrees(2.0 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=-1) / 2.0, 0.0, 1.0)))
+    return np.degrees(2.0 * np.arcsin(np.clip(quat.length(a - b) / 2.0, 0.0, 1.0)))
 
 
 def twist_errors(links: Links, source_turns: Array, turns: Array, target_rest: Array, post: Array) -> Array:
@@ -94,7 +94,7 @@ def slides(legs: Sequence[LimbLinks], ankle: Flags, ball: Flags, points: Array) 
 
 
 def _ways(path: Array) -> Array:
-    return np.linalg.norm(np.diff(path[:, :2], axis=0), axis=-1)
+    return quat.length(np.diff(path[:, :2], axis=0))
 
 
 @dataclass(frozen=True)

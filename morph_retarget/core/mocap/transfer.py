@@ -66,10 +66,10 @@ def relative(turns: Array, carrier: Indices, links: Indices) -> Array:
         carrier: The link that carries each link, NONE for those that nothing carries, shape (link,).
         links: The links wanted, shape (n,).
     """
-    out = turns[:, links]
-    above = carrier[links]
-    carried = above != NONE
-    out[:, carried] = quat.multiply(quat.conjugate(turns[:, above[carried]]), out[:, carried])
+    own, above = turns[:, links], carrier[links]
+    out = quat.multiply(quat.conjugate(turns[:, above]), own)
+    free = np.flatnonzero(above == NONE)
+    out[:, free] = own[:, free]
     return out
 
 

@@ -108,7 +108,7 @@ def solve(
         now = out[active]
         joints, effectors = _places(problem, now, anchors[active])
         dx = targets[active] - effectors
-        error[active] = np.linalg.norm(dx, axis=-1).max(axis=-1)
+        error[active] = quat.length(dx).max(axis=-1)
         going = (error[active] > settings.tolerance * height) & (
             error[active] < (1.0 - settings.stall) * before[active]
         )
@@ -145,16 +145,16 @@ def _within_reach(problem: Problem, anchors: Array, targets: Array, root: Array)
         while problem.parents[joint] != NONE:
             reach += float(np.linalg.norm(problem.offsets[joint]))
             joint = problem.parents[joint]
-        radius = reach + np.linalg.norm(anchors[:, joint] - root, axis=-1)
+        radius = reach + quat.length(anchors[:, joint] - root)
         away = targets[:, e] - root
-        distance = np.linalg.norm(away, axis=-1)
+        distance = quat.length(away)
         shrink = np.minimum(1.0, radius / np.maximum(distance, 1e-12))
         out[:, e] = root + shrink[:, None] * away
     return out
 
 
 def _shortened(vectors: Array, most: float) -> Array:
-    length = np.sqrt(np.einsum("...i,...i->...", vectors, vectors))
+    length = quat.length(vectors)
     if length.max(initial=0.0) <= most:
         return vectors
     return vectors * np.minimum(1.0, most / np.maximum(length, 1e-12))[..., None]
