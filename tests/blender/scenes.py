@@ -137,13 +137,17 @@ def sprout(name: str = "Sprout", **options: object) -> bpy.types.Object:
 
 def evaluated(ob: bpy.types.Object, bones: Iterable[str], frames: Iterable[float]) -> Array:
     """Return the world matrices of bones as Blender evaluates them, shape (frame, bone, 4, 4)."""
-    scene, bones = bpy.context.scene, list(bones)
-    out: list[list[Array]] = []
+    scene, place = bpy.context.scene, {name: i for i, name in enumerate(ob.pose.bones.keys())}
+    wanted = [place[bone] for bone in bones]
+    found = np.empty(16 * len(place), dtype=np.float32)
+    out: list[Array] = []
     for frame in frames:
         whole = int(np.floor(frame))
         scene.frame_set(whole, subframe=float(frame) - whole)
         seen = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        out.append([np.array(seen.matrix_world @ seen.pose.bones[bone].matrix) for bone in bones])
+        seen.pose.bones.foreach_get("matrix", found)
+        matrices = found.astype(np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+        out.append(np.array(seen.matrix_world) @ matrices[wanted])
     return np.array(out)
 
 
@@ -212,16 +216,30 @@ def curves_of(ob: bpy.types.Object) -> dict[tuple[str, int], bpy.types.FCurve]:
     return actions.curves(*actions.assigned(ob))
 
 
-def keys_of(action: bpy.types.Action) -> dict[tuple[str, str, int], list[tuple[object, ...]]]:
+def keys_of(action: bpy.types.Action) -> dict[tuple[str, str, int], tuple[bytes, ...]]:
     """Return all that can be seen of an action's keys, by slot, path and index."""
-    out: dict[tuple[str, str, int], list[tuple[object, ...]]] = {}
+    out: dict[tuple[str, str, int], tuple[bytes, ...]] = {}
     for slot in action.slots:
         for (path, index), curve in actions.curves(action, slot).items():
-            out[slot.identifier, path, index] = [
-                (*k.co, k.interpolation, k.easing, *k.handle_left, *k.handle_right, k.handle_left_type)
-                for k in curve.keyframe_points
-            ]
+            out[slot.identifier, path, index] = tuple(_values(curve.keyframe_points, *kind) for kind in _OF_KEYS)
     return out
+
+
+_OF_KEYS = (
+    ("co", 2, np.float32),
+    ("handle_left", 2, np.float32),
+    ("handle_right", 2, np.float32),
+    ("handle_left_type", 1, np.uint8),
+    ("handle_right_type", 1, np.uint8),
+    ("interpolation", 1, np.uint8),
+    ("easing", 1, np.uint8),
+)
+
+
+def _values(points: bpy.types.FCurveKeyframePoints, name: str, width: int, kind: type) -> bytes:
+    values = np.empty(len(points) * width, dtype=kind)
+    points.foreach_get(name, values)
+    return values.tobytes()
 
 
 # --- the steps of a retarget ---

@@ -81,7 +81,7 @@ def hips_follow(transferred: Array, targets: Array, standing: Flags, seconds_per
 
 SOFT_REACH = 0.93
 """A leg in the air that is to reach farther than this share of its length is slowed down on the way to straight."""
-SOFT_TIME = 0.1
+SOFT_TIME = 0.03
 """Time over which that sets in after a foot leaves, and ends before it lands [s]."""
 
 
