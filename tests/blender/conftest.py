@@ -5,9 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from morph_retarget.blender.retarget import Source
+from morph_retarget.core.arrays import Array
 from tests.blender import command, scenes
-from tests.blender.command import Command
+from tests.blender.command import Command, Refused
 from tests.blender.files import Files
+from tools.figure import blender
 
 
 @pytest.fixture(autouse=True)
@@ -28,9 +31,32 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
     return Files.make(tmp_path_factory.mktemp("files"))
 
 
+@pytest.fixture(scope="session")
+def walk() -> Source:
+    """Return the usual clip; what was read outlives the file that it was read from."""
+    scenes.empty()
+    return scenes.source_of(scenes.walker())
+
+
+@pytest.fixture(scope="session")
+def expected(walk: Source) -> Array:
+    """Return the directions of the small body's segments when it plays the usual clip, shape (frame, segment, 3)."""
+    scenes.empty()
+    ob = scenes.sprout()
+    scenes.give(walk, ob)
+    return scenes.directions(ob, scenes.FRAMES, blender)
+
+
 @pytest.fixture
 def out(tmp_path: Path) -> Path:
     """Return an empty folder for results."""
     folder = tmp_path / "out"
     folder.mkdir()
     return folder
+
+
+@pytest.fixture
+def refused(cli: Command, out: Path) -> Refused:
+    """Return a function that runs a command which must fail without a trace, and returns its one message."""
+    (out / "older.blend").write_text("kept")
+    return partial(command.refused, cli, out)

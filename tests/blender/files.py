@@ -9,8 +9,6 @@ from tools import gait
 from tools.figure import Build
 
 KINDS = ("blend", "glb", "fbx", "bvh")
-COUNT = 34
-"""Frames of the usual clip."""
 LONG = 1.5 * scenes.STEP
 """Duration of the longer of two clips [s]."""
 
@@ -26,7 +24,7 @@ class Files:
         """Write all files into ``folder``."""
         scenes.empty()
         ob = scenes.walker()
-        scenes.bpy.context.scene.frame_end = COUNT
+        scenes.bpy.context.scene.frame_end = scenes.COUNT
         with Outbox() as outbox:
             for kind in KINDS:
                 outbox.rigs(folder / f"walk.{kind}", [ob])

@@ -18,7 +18,12 @@ from tools.figure import CHIBI, Bone, Build, blender, humanoid, moved, vrm
 
 FPS = 30
 STEP = gait.CYCLE
-"""Duration of the usual clip [s]: one cycle of the walk, so 34 frames."""
+"""Duration of the usual clip [s]: one cycle of the walk."""
+COUNT = 34
+"""Frames of the usual clip."""
+FRAMES = range(1, COUNT + 1)
+SHOWN = FRAMES[::3]
+"""Frames at which it is enough to look."""
 SPROUT = {"height": 1.1, "proportions": CHIBI, "build": Build(spine=4, fingers=2, root=True, arms_down=40.0)}
 """A body unlike the one that walks: small, big-headed, arms lowered, with a root bone."""
 NASTY = 'Bob\'s "rig" [1] 😀\\x'
@@ -264,3 +269,15 @@ def key(ob: bpy.types.Object, name: str, channels: dict[str, Array], first: int 
         writer.write(path, np.asarray(values, dtype=float), np.arange(first, first + len(values), dtype=float), "Keys")
     actions.assign(ob, writer.action, writer.slot)
     return writer.action
+
+
+def played(ob: bpy.types.Object, bones: Iterable[str] | None = None) -> Array:
+    """Return the places of the body's bones in the world, at both ends, over the usual clip, shape (frame, end, 3)."""
+    return ends(ob, bones or [bone.name for bone in ob.pose.bones if bone.name != "Root"], SHOWN)
+
+
+def played_plainly(source: Source, options: Options | None = None) -> Array:
+    """Return the same of the small body when nothing about it is odd."""
+    ob = sprout("Plain")
+    give(source, ob, options)
+    return played(ob)

@@ -57,7 +57,7 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
         _active_property: str | None,
         *_: Any,
     ) -> None:
-        split = layout.split(factor=0.48)
+        split = layout.split(factor=0.46)
         split.label(text=label(item.name), icon=icon(item), translate=False)
         split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="", icon="BONE_DATA")
 

@@ -130,15 +130,13 @@ class MORPHRETARGET_PT_joints(_InTab, bpy.types.Panel):
             )
             return
         self._tell_state(layout, rig)
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_joints", "", rig, "joints", rig, "active_joint", rows=10)
-        buttons = row.column(align=True)
-        buttons.operator("morph_retarget.pick_bone", text="", icon="EYEDROPPER").rig = ob.name
-        buttons.operator("morph_retarget.mirror_joint", text="", icon="MOD_MIRROR").rig = ob.name
+        # The buttons stand below, so that a narrow sidebar still shows the names of bones.
+        layout.template_list("MORPHRETARGET_UL_joints", "", rig, "joints", rig, "active_joint", rows=10)
+        buttons = layout.row(align=True)
+        buttons.operator("morph_retarget.pick_bone", text="Pick", icon="EYEDROPPER").rig = ob.name
+        buttons.operator("morph_retarget.mirror_joint", text="Mirror", icon="MOD_MIRROR").rig = ob.name
         buttons.operator("morph_retarget.clear_joint", text="", icon="X").rig = ob.name
-        buttons.separator()
         buttons.operator("morph_retarget.select_joint", text="", icon="RESTRICT_SELECT_OFF").rig = ob.name
-        buttons.separator()
         buttons.operator("morph_retarget.reset_joints", text="", icon="LOOP_BACK").rig = ob.name
         column = layout.column(align=True)
         column.use_property_split = True
