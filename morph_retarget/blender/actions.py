@@ -26,15 +26,29 @@ def fitting_slot(action: bpy.types.Action, ob: bpy.types.Object) -> bpy.types.Ac
 
 
 def curves(action: bpy.types.Action, slot: bpy.types.ActionSlot) -> CurveMap:
-    """Return the F-curves of one slot by path and index; the first layer that animates a property counts."""
+    """Return the F-curves of one slot that act, by path and index; the first layer that animates a property counts."""
     out: CurveMap = {}
     for layer in action.layers:
         for strip in layer.strips:
             assert isinstance(strip, bpy.types.ActionKeyframeStrip), "Blender has no other kind of strip yet"
             bag = strip.channelbag(slot)
             for curve in bag.fcurves if bag else ():
-                out.setdefault((curve.data_path, curve.array_index), curve)
+                if not curve.mute:
+                    out.setdefault((curve.data_path, curve.array_index), curve)
     return out
+
+
+_BONE, _END = 'pose.bones["', '"].'
+
+
+def escape_names(action: bpy.types.Action) -> None:
+    """Mend paths in which bone names hold bare quotes and backslashes, as Blender's FBX importer leaves them."""
+    for slot in action.slots:
+        for (path, _), curve in curves(action, slot).items():
+            name, _, prop = path.removeprefix(_BONE).rpartition(_END)
+            escaped = bpy.utils.escape_identifier(name)
+            if path.startswith(_BONE) and bpy.utils.escape_identifier(bpy.utils.unescape_identifier(name)) != name:
+                curve.data_path = f"{_BONE}{escaped}{_END}{prop}"
 
 
 def frame_range(found: Iterable[bpy.types.FCurve]) -> tuple[float, float] | None:
@@ -93,6 +107,18 @@ def sample_vector(found: CurveMap, path: str, frames: Array, defaults: Array) ->
     return np.column_stack(columns)
 
 
+def paths_in_strips(ob: bpy.types.Object) -> set[str]:
+    """Return the data paths that the NLA strips of an object animate."""
+    data = ob.animation_data
+    strips = [strip for track in data.nla_tracks for strip in track.strips] if data else []
+    return {
+        path
+        for strip in strips
+        if strip.action is not None and strip.action_slot is not None
+        for path, _ in curves(strip.action, strip.action_slot)
+    }
+
+
 class Writer:
     """A new action with one slot, filled curve by curve in bulk."""
 
@@ -142,6 +168,13 @@ class Writer:
             own.keyframe_points.foreach_set(name, values)
         own.update()
 
+    def limit(self, first: float, last: float) -> None:
+        """Make the action last from ``first`` to ``last`` where some of its keys lie outside."""
+        start, end = self.action.frame_range
+        if start < first - 1e-3 or end > last + 1e-3:
+            self.action.use_frame_range = True
+            self.action.frame_start, self.action.frame_end = first, last
+
     def _group(self, name: str) -> bpy.types.ActionGroup:
         if name not in self._groups:
             self._groups[name] = self._bag.groups.new(name)
@@ -170,6 +203,14 @@ def assign(ob: bpy.types.Object, action: bpy.types.Action | None, slot: bpy.type
     data.action = action
     if action is not None:
         data.action_slot = slot
+
+
+def play(ob: bpy.types.Object, action: bpy.types.Action, slot: bpy.types.ActionSlot) -> None:
+    """Make an object play a slot of an action in full, whatever strips lie below it."""
+    assign(ob, action, slot)
+    data = ob.animation_data
+    assert data is not None, "it was just assigned an action"
+    data.action_influence, data.action_blend_type = 1.0, "REPLACE"
 
 
 def of_armature(ob: bpy.types.Object) -> list[tuple[bpy.types.Action, bpy.types.ActionSlot]]:

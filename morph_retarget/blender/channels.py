@@ -48,11 +48,13 @@ def of_result(target: Rig, character: Character, result: Result, root: str | Non
     out: list[Channel] = []
     for i, bone in enumerate(result.bones):
         out.append(rotation(pose_bone(target.object, names[bone]), names[bone], result.basis[:, i]))
-    for i, bone in enumerate(result.moved):
-        out.append(_location(target, _movable(target, int(bone)), result.shifts[:, i]))
+    shifts = {_movable(target, int(bone)): result.shifts[:, i] for i, bone in enumerate(result.moved)}
     if result.travel is not None and result.root_motion is RootMotion.ROOT_BONE and root is not None:
-        out += _root_travel(target, character, result.travel, root)
-    elif result.travel is not None and result.root_motion is RootMotion.OBJECT:
+        # Where the hips cannot move by themselves, what is left to them moves the root as well.
+        own = shifts.pop(target.skeleton.index[root], np.zeros((1, 3)))
+        out += _root_travel(target, character, result.travel, root, own)
+    out += [_location(target, bone, shift) for bone, shift in shifts.items()]
+    if result.travel is not None and result.root_motion is RootMotion.OBJECT:
         out += _object_travel(target.object, character, _pivot(target, character), result.travel)
     return out
 
@@ -129,12 +131,13 @@ def _pivot(target: Rig, character: Character) -> Array:
     return character.local_to_character.points(target.skeleton.rest_positions[hips]) * np.array([1.0, 1.0, 0.0])
 
 
-def _root_travel(target: Rig, character: Character, travel: Travel, root: str) -> list[Channel]:
+def _root_travel(target: Rig, character: Character, travel: Travel, root: str, own: Array) -> list[Channel]:
+    """Return what carries the travel on a bone that also moves by ``own`` itself, armature space, shape (frame, 3)."""
     bone, pivot = target.skeleton.index[root], _pivot(target, character)
     to_local = character.local_to_character.inverse()
     rest = target.skeleton.rest_rotations[bone]
     basis = quat.multiply(quat.multiply(quat.conjugate(rest), to_local.turns(travel.turns)), rest)
-    head = character.local_to_character.points(target.skeleton.rest_positions[bone])
+    head = character.local_to_character.points(target.skeleton.rest_positions[bone] + own)
     moved = to_local.points(pivot + travel.points + quat.rotate(travel.turns, head - pivot))
     return [
         rotation(pose_bone(target.object, root), root, basis),

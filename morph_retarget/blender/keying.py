@@ -36,15 +36,16 @@ def write(
             path = channel.path(ob)
             writer.write(path, channel.values, frames, channel.bone or OBJECT_GROUP)
             written.add(path)
-        for channel in channels.resting(ob, body, found, {path for path, _ in old}):
+        for channel in channels.resting(ob, body, found, {path for path, _ in old} | actions.paths_in_strips(ob)):
             writer.write(channel.path(ob), channel.values, frames[:1], channel.bone or OBJECT_GROUP)
             written.add(channel.path(ob))
         if keep_others:
             _copy_others(ob, body, old, written, writer)
+            writer.limit(frames[0], frames[-1])
     except BaseException:
         writer.discard()
         raise
-    actions.assign(ob, writer.action, writer.slot)
+    actions.play(ob, writer.action, writer.slot)
     if old_action is not None and old_action.users == 0:
         old_action.use_fake_user = True  # what nobody plays any more must still be saved
     return writer.action, writer.slot

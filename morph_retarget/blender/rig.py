@@ -90,6 +90,7 @@ def read(ob: bpy.types.Object) -> Rig:
         rest_rotations=quat.from_matrix(linear)[order],
         rest_tails=tails.astype(np.float64).reshape(count, 3)[order],
         deform=np.array([bones[int(i)].use_deform for i in order]),
+        inherits=np.array([bones[int(i)].use_inherit_rotation for i in order]),
     )
     placement, shear = Placement.from_matrix(np.array(ob.matrix_world, dtype=np.float64))
     warnings = (

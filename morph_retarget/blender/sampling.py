@@ -94,8 +94,10 @@ def reasons_to_step(rig: Rig, found: CurveMap) -> tuple[str, ...]:
     data = ob.animation_data
     if data and data.use_nla and any(not t.mute and any(not s.mute for s in t.strips) for t in data.nla_tracks):
         reasons.append("NLA strips")
-    if ob.parent is not None and ob.parent.animation_data is not None:
+    if _carried_along(ob):
         reasons.append("an animated parent")
+    if any(path.startswith("delta_") for path, _ in found) or not _no_delta(ob):
+        reasons.append("delta transforms")
     odd = [
         b.name
         for b in armature_of(ob).bones
@@ -108,9 +110,25 @@ def reasons_to_step(rig: Rig, found: CurveMap) -> tuple[str, ...]:
     return tuple(reasons)
 
 
+def _carried_along(ob: bpy.types.Object) -> bool:
+    """Return whether anything above an object may move."""
+    parent = ob.parent
+    while parent is not None:
+        if parent.animation_data is not None or len(parent.constraints) > 0:
+            return True
+        parent = parent.parent
+    return False
+
+
+def _no_delta(ob: bpy.types.Object) -> bool:
+    moved = np.abs(np.array(ob.delta_location)).max() > 0.0 or np.abs(np.array(ob.delta_scale) - 1.0).max() > 0.0
+    turned = np.abs(np.array(ob.delta_rotation_euler)).max() > 0.0
+    return not (moved or turned or abs(ob.delta_rotation_quaternion.w) < 1.0)
+
+
 def _scales(ob: bpy.types.Object, found: CurveMap) -> bool:
     for (path, _), curve in found.items():
-        if path.startswith("pose.bones") and path.endswith(".scale"):
+        if path == "scale" or (path.startswith("pose.bones") and path.endswith(".scale")):
             keys = np.empty(len(curve.keyframe_points) * 2, dtype=np.float32)
             curve.keyframe_points.foreach_get("co", keys)
             if np.abs(keys[1::2] - 1.0).max(initial=0.0) > 1e-4:
@@ -142,16 +160,12 @@ def from_curves(rig: Rig, found: CurveMap, frames: Array) -> Pose:
             location = actions.sample_vector(found, bone.path_from_id("location"), frames, np.array(bone.location))
             moved |= location is not None
             value = np.array(bone.location) if location is None else location
-            if not bone.bone.use_local_location and bone.parent:
-                value = _from_armature_axes(rig, i, value)
+            if not bone.bone.use_local_location:
+                # It counts along the axes of the parent, or the armature's for roots.
+                value = quat.rotate(quat.conjugate(rig.skeleton.local_rotations[i]), value)
             locations[:, i] = value
     pose = pose_from_basis(rig.skeleton, rotations, locations)
     return _with_object(rig, found, frames, pose, moved)
-
-
-def _from_armature_axes(rig: Rig, bone: int, value: Array) -> Array:
-    """Return a location given along the armature's axes in the bone's own rest axes."""
-    return quat.rotate(quat.conjugate(rig.skeleton.rest_rotations[bone]), value)
 
 
 def _rotation(

@@ -111,9 +111,9 @@ def _keyed(plan: Plan, source: SourceMotion, meant: Array, motion: Motion) -> Re
 
 def _basis(plan: Plan, source: SourceMotion, meant: Array, motion: Motion) -> Array:
     """Return the basis rotations of the links' bones: by eqs 1 and 2, or anew where later steps have changed them."""
-    carrier = plan.transfer.carrier
+    turner = plan.transfer.turner
     touched = (motion.turns != meant).any(axis=(0, 2))
-    touched |= (carrier != NONE) & touched[carrier]
+    touched |= (turner != NONE) & touched[turner]
     kept, anew = np.flatnonzero(~touched), np.flatnonzero(touched)
     out = np.empty_like(meant)
     out[:, kept] = transfer.apply(plan.transfer, source.turns, kept)

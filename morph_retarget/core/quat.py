@@ -85,7 +85,7 @@ def normalize(q: Array) -> Array:
     size = length(q)[..., None]
     if size.min(initial=1.0) > _TINY:
         return q / size
-    return np.where(size > _TINY, q / np.maximum(size, _TINY), IDENTITY)
+    return np.where(size <= _TINY, IDENTITY, q / np.maximum(size, _TINY))
 
 
 @_in_blocks(3)

@@ -29,6 +29,8 @@ class Skeleton:
     """Bone tails, shape (bone, 3). Importers guess them: directions come from heads wherever a child exists."""
     deform: Flags | None = None
     """Whether a bone may move a mesh, shape (bone,); None when nobody knows."""
+    inherits: Flags | None = None
+    """Whether a bone takes over its parent's rotation, shape (bone,); None when all do."""
     index: dict[str, int] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -86,9 +86,12 @@ def _add_key_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore
 def _frames(text: str) -> tuple[int, int]:
     first, _, last = text.partition(":")
     try:
-        return int(first), int(last)
+        found = int(first), int(last)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no range: write it as 1:240") from None
+    if found[0] > found[1]:
+        raise argparse.ArgumentTypeError(f"{text!r} ends before it starts: write it as 1:240")
+    return found
 
 
 def _share(text: str) -> float:
@@ -147,8 +150,10 @@ def run(arguments: argparse.Namespace) -> int:
     with save.Outbox() as outbox:
         for i, text in enumerate(arguments.targets):
             ob, label = open_rig(text, arguments.armature, fresh=job.separate or i == 0)
-            _set_times(arguments, text, sources[0])
+            if job.separate or i == 0:
+                _set_rate(arguments, text, sources[0])
             for source in sources:
+                _set_range(source)
                 with naming(label):
                     outcome = _one(job, source, ob)
                 named = arguments.source if len(sources) == 1 else f"{arguments.source}#{source.clip.name}"
@@ -221,11 +226,14 @@ def _options(arguments: argparse.Namespace) -> Options:
         except ValueError:
             raise MotionError(f"--reference {arguments.reference!r}: use auto, rest or the number of a frame") from None
     retarget.action_name(arguments.name, "action", "source", "target")
+    carrier = RootMotion(arguments.root)
+    if carrier is RootMotion.OBJECT and str(arguments.out).lower().endswith(".bvh"):
+        carrier = RootMotion.HIPS  # a BVH file has no object: what it would do, its root does
     settings = RetargetSettings(
         matching=Matching(arguments.matching),
         plant_feet=not arguments.no_plant_feet,
         reach_hands=arguments.hands,
-        root_motion=RootMotion(arguments.root),
+        root_motion=carrier,
         scale=arguments.scale or 0.0,
         feet=replace(FeetSettings(), lock=arguments.lock),
     )
@@ -245,25 +253,30 @@ def _read_sources(job: _Job, joints: dict[str, str]) -> list[Source]:
     here = any(armature_here(text) is not None for text in arguments.targets)
     if here and armature_here(arguments.source) is None:
         # The targets are in the open file, which must not be closed for the source.
+        others = set(bpy.data.actions)
         with load.borrowed(request) as armatures:
-            return _sample(job, load.choose(armatures, request.path, arguments.armature), request, joints)
+            ob = load.choose(armatures, request.path, arguments.armature)
+            return _sample(job, ob, request, joints, [a for a in bpy.data.actions if a not in others])
     ob, _ = open_rig(arguments.source, arguments.armature)
-    return _sample(job, ob, request, joints)
+    return _sample(job, ob, request, joints, list(bpy.data.actions))
 
 
-def _sample(job: _Job, ob: bpy.types.Object, request: Request, joints: dict[str, str]) -> list[Source]:
+def _sample(
+    job: _Job, ob: bpy.types.Object, request: Request, joints: dict[str, str], own_actions: list[bpy.types.Action]
+) -> list[Source]:
     with naming(str(request.path)):
         own = rig.read(ob)
         overrides, frames = Overrides(joints=joints), job.options.frames
-        chosen = _choose_actions(ob, request.action or job.arguments.action, job.arguments.all_actions)
+        fitting = [pair for pair in actions.of_armature(ob) if pair[0] in own_actions]
+        chosen = _choose_actions(ob, fitting, request.action or job.arguments.action, job.arguments.all_actions)
         return [retarget.run(retarget.read_source(own, a, s, rig.scene_of(), overrides, frames)) for a, s in chosen]
 
 
-def _choose_actions(
-    ob: bpy.types.Object, name: str | None, every: bool
-) -> list[tuple[bpy.types.Action, bpy.types.ActionSlot]]:
+_Clips = list[tuple[bpy.types.Action, bpy.types.ActionSlot]]
+
+
+def _choose_actions(ob: bpy.types.Object, fitting: _Clips, name: str | None, every: bool) -> _Clips:
     """Return the actions of the source that are meant: a named one, all, or the one that it plays."""
-    fitting = actions.of_armature(ob)
     if name is not None and not every:
         # Importers write an action's name as "armature|name".
         named = [p for p in fitting if p[0].name == name] or [p for p in fitting if p[0].name.endswith(f"|{name}")]
@@ -289,14 +302,19 @@ def _choose_actions(
 # --- times and names ---
 
 
-def _set_times(arguments: argparse.Namespace, target: str, source: Source) -> None:
-    """Give the scene the rate asked for and the clip's range; a scene that came with the target keeps its own rate."""
-    scene, clip = rig.scene_of(), source.clip
+def _set_rate(arguments: argparse.Namespace, target: str, source: Source) -> None:
+    """Give the scene the frame rate asked for, or the clip's; a scene that came with the target keeps its own."""
+    scene = rig.scene_of()
     own_scene = target.lower().endswith(".blend") or armature_here(target) is not None
-    rate = arguments.fps or (None if own_scene else 1.0 / clip.seconds_per_frame)
+    rate = arguments.fps or (None if own_scene else 1.0 / source.clip.seconds_per_frame)
     if rate is not None:
         scene.render.fps = max(round(rate), 1)
         scene.render.fps_base = scene.render.fps / rate
+
+
+def _set_range(source: Source) -> None:
+    """Give the scene the frame range of a clip at the scene's rate."""
+    scene, clip = rig.scene_of(), source.clip
     length = (len(clip.frames) - 1) * clip.seconds_per_frame / sampling.seconds_per_frame(scene)
     scene.frame_start = int(clip.frames[0])
     scene.frame_end = max(round(clip.frames[0] + length), scene.frame_start)

@@ -11,11 +11,13 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import FileError, listed
+from .. import actions
 from ..rig import armature_of, scene_of
-from . import addons, bvh_check
+from . import addons, bvh_check, gltf
 from .quiet import quiet
 
 KINDS = (".bvh", ".fbx", ".glb", ".gltf", ".vrm", ".blend")
+_GLTF = (".glb", ".gltf", ".vrm")
 _ADDONS = {".bvh": "io_anim_bvh", ".glb": "io_scene_gltf2", ".gltf": "io_scene_gltf2", ".vrm": "io_scene_gltf2"}
 
 
@@ -59,7 +61,7 @@ def load(request: Request) -> list[bpy.types.Object]:
         FileError: The file is missing, of an unknown kind, unreadable, or holds no armature.
     """
     request.check()
-    with quiet():
+    with quiet(errors=True):
         if request.path.suffix.lower() == ".blend":
             _run(request.path, bpy.ops.wm.open_mainfile, load_ui=False, use_scripts=False)
         else:
@@ -74,9 +76,15 @@ def add(request: Request) -> list[bpy.types.Object]:
     Raises:
         FileError: See `load`.
     """
+    with _kept_times():
+        return _add(request)
+
+
+def _add(request: Request) -> list[bpy.types.Object]:
+    """Add what ``request`` names, and give the scene its frame rate."""
     request.check()
     before = set(bpy.data.objects)
-    with _kept_times(), quiet():
+    with quiet(errors=True):
         if request.path.suffix.lower() == ".blend":
             _append(request.path)
         else:
@@ -86,16 +94,17 @@ def add(request: Request) -> list[bpy.types.Object]:
 
 @contextlib.contextmanager
 def borrowed(request: Request) -> Iterator[list[bpy.types.Object]]:
-    """Add what ``request`` names to the open file for a while, and remove all of it again.
+    """Add what ``request`` names to the open file for a while, at its own frame rate, and remove all of it again.
 
     Raises:
         FileError: See `load`.
     """
     before = _everything()
-    try:
-        yield add(request)
-    finally:
-        bpy.data.batch_remove(list(_everything() - before))
+    with _kept_times():
+        try:
+            yield _add(request)
+        finally:
+            bpy.data.batch_remove(list(_everything() - before))
 
 
 @contextlib.contextmanager
@@ -133,6 +142,9 @@ def choose(armatures: list[bpy.types.Object], path: Path, name: str | None) -> b
 
 def _armatures(path: Path, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
     found = [ob for ob in objects if ob.type == "ARMATURE"]
+    # A linked rig that has been overridden here is there through its override.
+    replaced = {ob.override_library.reference for ob in found if ob.override_library is not None}
+    found = [ob for ob in found if ob not in replaced]
     if not found:
         raise FileError(f"{path}: holds no armature: choose a file with a rig in it")
     bpy.context.evaluated_depsgraph_get().update()
@@ -142,9 +154,12 @@ def _armatures(path: Path, objects: list[bpy.types.Object]) -> list[bpy.types.Ob
 def _append(path: Path) -> None:
     try:
         with bpy.data.libraries.load(str(path)) as (theirs, ours):  # pyright: ignore[reportGeneralTypeIssues]
-            ours.objects = list(theirs.objects)
+            ours.objects, ours.scenes = list(theirs.objects), list(theirs.scenes)[:1]
     except OSError as error:
         raise FileError(f"{path}: is no blend file that this Blender can read: save it again") from error
+    for scene in ours.scenes:
+        scene_of().render.fps, scene_of().render.fps_base = scene.render.fps, scene.render.fps_base
+        bpy.data.scenes.remove(scene)
     for ob in ours.objects:
         if ob is not None and not ob.users_collection:
             scene_of().collection.objects.link(ob)
@@ -152,13 +167,21 @@ def _append(path: Path) -> None:
 
 def _import(path: Path) -> None:
     kind = path.suffix.lower()
+    if kind in _GLTF:
+        rate = gltf.frame_rate(path)
+        if rate is not None:
+            scene_of().render.fps, scene_of().render.fps_base = round(rate), round(rate) / rate
     if kind in _ADDONS:
         addons.enable(_ADDONS[kind])
     if kind == ".bvh":
         bvh_check.check(path)
         _run(path, bpy.ops.import_anim.bvh, update_scene_fps=True, update_scene_duration=True)
     elif kind == ".fbx":
+        before = set(bpy.data.actions)
         _run(path, bpy.ops.wm.fbx_import)
+        for action in bpy.data.actions:
+            if action not in before:
+                actions.escape_names(action)
     elif kind == ".vrm":
         # A VRM is a GLB with more in it; the importer goes by the ending.
         with tempfile.TemporaryDirectory() as folder:
@@ -174,8 +197,15 @@ def _run(path: Path, operator: object, actual: Path | None = None, **options: ob
     try:
         result = operator(filepath=str(actual or path), **options)  # type: ignore[operator]
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, UnicodeError, OSError) as error:
-        lines = [line for line in str(error).strip().splitlines() if line.strip()]
-        reason = (lines[-1] if lines else type(error).__name__).removeprefix("Error: ").strip()
+        packed = gltf.compression(path) if path.suffix.lower() in _GLTF else None
+        if packed is not None:
+            raise FileError(
+                f"{path}: is compressed ({packed}), which this Blender cannot read: export it without compression"
+            ) from error
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        # What a failing importer says last but for the place in Blender's code.
+        told = [line for line in lines if not line.startswith(("Location:", "File ", "Traceback"))]
+        reason = (told[-1] if told else type(error).__name__).removeprefix("Error: ")
         raise FileError(f"{path}: cannot be read ({reason}): check that it is whole, or export it again") from error
     if "FINISHED" not in result:
         raise FileError(f"{path}: Blender's importer gave up: check that it is whole, or export it again")

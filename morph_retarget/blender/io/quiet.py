@@ -1,6 +1,7 @@
 """Keeping what Blender's importers, exporters and renderers print to themselves."""
 
 import contextlib
+import io
 import os
 import sys
 from collections.abc import Iterator
@@ -15,10 +16,14 @@ def quiet(errors: bool = False) -> Iterator[None]:
     """
     numbers = (1, 2) if errors else (1,)
     sys.stdout.flush()
+    sys.stderr.flush()
     kept = {number: os.dup(number) for number in numbers}
     with contextlib.ExitStack() as stack:
         nowhere = stack.enter_context(open(os.devnull, "w"))  # noqa: PTH123 - a device
-        stack.enter_context(contextlib.redirect_stdout(nowhere))
+        # Exporters' loggers keep the stream they first saw, so it must never be closed.
+        stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
+        if errors:
+            stack.enter_context(contextlib.redirect_stderr(io.StringIO()))
         stack.callback(_restore, kept)
         for number in numbers:
             os.dup2(nowhere.fileno(), number)

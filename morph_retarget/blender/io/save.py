@@ -9,7 +9,6 @@ import bpy
 from mathutils import Matrix
 
 from ...core.errors import FileError
-from .. import actions
 from ..rig import armature_of, scene_of
 from . import addons
 from .quiet import quiet
@@ -88,6 +87,8 @@ class Outbox:
         check_folder(path)
         final = path.absolute()
         temporary = final.with_name(f".{os.getpid()}.{len(self._waiting)}{final.suffix}")
+        if final in self._waiting.values():
+            raise FileError(f"{path}: two results would get this file: tell them apart in its name")
         self._waiting[temporary] = final
         with _explained(path), quiet():
             write(temporary)
@@ -122,37 +123,57 @@ def _write_blend(path: Path, _: Sequence[bpy.types.Object]) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), copy=True, compress=True)
 
 
-def _select(armatures: Sequence[bpy.types.Object]) -> None:
-    """Select armatures and what they carry, and nothing else."""
-    layer = bpy.context.view_layer
+@contextlib.contextmanager
+def _selected(armatures: Sequence[bpy.types.Object]) -> Iterator[None]:
+    """Select armatures and what they carry, and nothing else, shown for a while if they were hidden."""
+    layer, scene = bpy.context.view_layer, scene_of()
     assert layer is not None, "there is a scene while a file is open"
     wanted = set(armatures) | {child for ob in armatures for child in ob.children_recursive}
-    for ob in layer.objects:
-        ob.select_set(ob in wanted)
+    # An object in the scene's own collection cannot be hidden by those that it lies in.
+    linked = [ob for ob in wanted if ob.name not in scene.collection.objects]
+    for ob in linked:
+        scene.collection.objects.link(ob)
+    layer.update()
+    hidden = [(ob, ob.hide_get(), ob.hide_viewport, ob.hide_select) for ob in wanted]
+    for ob in wanted:
+        ob.hide_viewport = ob.hide_select = False
+        ob.hide_set(False)
+    for ob in scene.objects:
+        if ob.name in layer.objects:
+            ob.select_set(ob in wanted)
     layer.objects.active = armatures[0]
+    try:
+        yield
+    finally:
+        for ob, away, viewport, select in hidden:
+            ob.hide_set(away)
+            ob.hide_viewport, ob.hide_select = viewport, select
+        for ob in linked:
+            scene.collection.objects.unlink(ob)
 
 
 def _write_glb(path: Path, armatures: Sequence[bpy.types.Object]) -> None:
-    _select(armatures)
-    bpy.ops.export_scene.gltf(
-        filepath=str(path),
-        export_format="GLB",
-        use_selection=True,
-        export_animation_mode="ACTIVE_ACTIONS",
-        export_rest_position_armature=True,
-    )
+    with _selected(armatures):
+        bpy.ops.export_scene.gltf(
+            filepath=str(path),
+            export_format="GLB",
+            use_selection=True,
+            export_animation_mode="ACTIVE_ACTIONS",
+            export_rest_position_armature=True,
+            export_frame_range=True,
+        )
 
 
 def _write_fbx(path: Path, armatures: Sequence[bpy.types.Object]) -> None:
-    _select(armatures)
-    bpy.ops.export_scene.fbx(
-        filepath=str(path),
-        use_selection=True,
-        add_leaf_bones=False,
-        bake_anim_use_all_actions=False,
-        bake_anim_use_nla_strips=False,
-        bake_anim_simplify_factor=0.0,
-    )
+    with _selected(armatures):
+        bpy.ops.export_scene.fbx(
+            filepath=str(path),
+            use_selection=True,
+            add_leaf_bones=False,
+            bake_anim_use_all_actions=False,
+            bake_anim_use_nla_strips=False,
+            bake_anim_simplify_factor=0.0,
+        )
 
 
 def _write_bvh(path: Path, armatures: Sequence[bpy.types.Object]) -> None:
@@ -162,8 +183,6 @@ def _write_bvh(path: Path, armatures: Sequence[bpy.types.Object]) -> None:
     """
     ob = armatures[0]
     _, rotation, scale = ob.matrix_world.decompose()
-    action, _ = actions.assigned(ob)
-    assert action is not None, "a result is written after the armature was given its action"
     copy, data = ob.copy(), armature_of(ob).copy()
     assert copy is not None, "local objects can be copied"
     assert data is not None, "so can their data"
@@ -172,14 +191,14 @@ def _write_bvh(path: Path, armatures: Sequence[bpy.types.Object]) -> None:
         scene_of().collection.objects.link(copy)
         data.transform(_TO_Y_UP @ rotation.to_matrix().to_4x4())
         copy.matrix_world.identity()
-        _select([copy])
-        bpy.ops.export_anim.bvh(
-            filepath=str(path),
-            frame_start=round(action.frame_range[0]),
-            frame_end=round(action.frame_range[1]),
-            global_scale=(scale.x + scale.y + scale.z) / 3.0,
-            root_transform_only=False,
-        )
+        with _selected([copy]):
+            bpy.ops.export_anim.bvh(
+                filepath=str(path),
+                frame_start=scene_of().frame_start,
+                frame_end=scene_of().frame_end,
+                global_scale=(scale.x + scale.y + scale.z) / 3.0,
+                root_transform_only=False,
+            )
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.armatures.remove(data)

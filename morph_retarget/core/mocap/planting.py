@@ -60,7 +60,7 @@ def plant_feet(plan: Plan, source: SourceMotion, motion: Motion, ground: Ground 
         plan.settings.feet,
         ground,
     )
-    targets = paths.targets if ground is not None else _above_floor(plan, motion, paths.targets, seconds_per_frame)
+    targets = _above_floor(plan, motion, paths.targets, seconds_per_frame, ground)
     # Feng 2013 §5.2: the root follows the lower foot, since bending a leg looks better than overstretching it.
     motion = motion.lifted(paths.terrain.min(axis=1))
     ankles = motion.points[:, [leg.end for leg in legs]]
@@ -73,14 +73,17 @@ def plant_feet(plan: Plan, source: SourceMotion, motion: Motion, ground: Ground 
     return _enforced(plan, motion, legs, targets)
 
 
-def _above_floor(plan: Plan, motion: Motion, targets: Array, seconds_per_frame: float) -> Array:
-    """Return ``targets`` raised where a sole would sink below the floor."""
+def _above_floor(plan: Plan, motion: Motion, targets: Array, seconds_per_frame: float, ground: Ground | None) -> Array:
+    """Return ``targets`` raised where a sole would sink below the floor, or into the terrain on its way."""
     points = motion.points.copy()
     for f, leg in enumerate(plan.links.legs):
         for part in (leg.end, leg.ball):
             if part != NONE:
                 points[:, part] += targets[:, f] - motion.points[:, leg.end]
-    sunk = np.maximum(plan.target.floor - soles.heights(soles.of_target(plan), motion.turns, points), 0.0)
+    floor = np.full(targets.shape[:2], plan.target.floor)
+    if ground is not None:
+        floor += ground(targets.reshape(-1, 3)).reshape(floor.shape)
+    sunk = np.maximum(floor - soles.heights(soles.of_target(plan), motion.turns, points), 0.0)
     width = max(round(RISE_TIME / seconds_per_frame), 1)
     raised = targets.copy()
     for f in np.flatnonzero(sunk.any(axis=0)):

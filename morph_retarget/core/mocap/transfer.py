@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import quat
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from ..character.frame import Placement
 from ..skeleton import Skeleton
 from .alignment import Alignment
@@ -24,6 +24,9 @@ class Transfer:
     links: Links
     carrier: Indices
     """The link that carries each link in the target's own tree, NONE where nothing linked does, shape (link,)."""
+    turner: Indices
+    """The link whose turn each link's bone inherits: its carrier, NONE where a bone on the way inherits no rotation,
+    shape (link,)."""
     post: Array
     """``target turn = source turn * post`` in the character frame, shape (link, 4)."""
     q_pre: Array
@@ -44,11 +47,12 @@ def prepare(links: Links, alignment: Alignment, target: Skeleton, local_to_chara
         local_to_character: From the target's armature space to its character frame.
     """
     carrier = carriers(links, target)
+    turner = np.where(_inherits(links, target, carrier), carrier, NONE)
     post = alignment.post
-    above = np.where((carrier == NONE)[:, None], quat.IDENTITY, post[carrier])
+    above = np.where((turner == NONE)[:, None], quat.IDENTITY, post[turner])
     rest = quat.multiply(local_to_character.turn, target.rest_rotations[links.target])
     q_pre = quat.multiply(quat.conjugate(rest), quat.conjugate(above))
-    return Transfer(links, carrier, post, q_pre, quat.multiply(post, rest), rest)
+    return Transfer(links, carrier, turner, post, q_pre, quat.multiply(post, rest), rest)
 
 
 def carriers(links: Links, target: Skeleton) -> Indices:
@@ -56,6 +60,18 @@ def carriers(links: Links, target: Skeleton) -> Indices:
     link_of = {int(bone): i for i, bone in enumerate(links.target)}
     found = [next((link_of[b] for b in target.tree.ancestors[int(t)] if b in link_of), NONE) for t in links.target]
     return np.array(found, dtype=np.intp)
+
+
+def _inherits(links: Links, target: Skeleton, carrier: Indices) -> Flags:
+    """Return whether each link's bone takes over the rotation of its carrier, shape (link,)."""
+    if target.inherits is None:
+        return carrier != NONE
+    out = carrier != NONE
+    for i in np.flatnonzero(out):
+        bone, top = int(links.target[i]), int(links.target[carrier[i]])
+        line = [bone, *target.tree.ancestors[bone]]
+        out[i] = target.inherits[line[: line.index(top)]].all()
+    return out
 
 
 def relative(turns: Array, carrier: Indices, links: Indices) -> Array:
@@ -81,7 +97,7 @@ def apply(transfer: Transfer, source_turns: Array, links: Indices) -> Array:
         source_turns: Turn of each link from the source's rest, character frame, shape (frame, link, 4).
         links: The links wanted, shape (n,).
     """
-    q = relative(source_turns, transfer.carrier, links)
+    q = relative(source_turns, transfer.turner, links)
     return quat.multiply(quat.multiply(transfer.q_pre[links], q), transfer.q_post[links])
 
 
@@ -101,6 +117,6 @@ def basis_from_turns(transfer: Transfer, turns: Array, links: Indices) -> Array:
     Returns:
         Shape (frame, n, 4).
     """
-    own = relative(turns, transfer.carrier, links)
+    own = relative(turns, transfer.turner, links)
     rest = transfer.rest_in_character[links]
     return quat.multiply(quat.multiply(quat.conjugate(rest), own), rest)

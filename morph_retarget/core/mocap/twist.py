@@ -56,8 +56,8 @@ def _spread(
 ) -> tuple[Array, Array]:
     """Return the basis rotations of a link's own bone and of its extra bones."""
     to_local = quat.conjugate(target.local_to_character.turn)
-    carrier = int(transfer.carrier[i])
-    relative = turns[:, i] if carrier == NONE else quat.multiply(quat.conjugate(turns[:, carrier]), turns[:, i])
+    turner = int(transfer.turner[i])
+    relative = turns[:, i] if turner == NONE else quat.multiply(quat.conjugate(turns[:, turner]), turns[:, i])
     local = quat.multiply(quat.multiply(to_local, relative), quat.conjugate(to_local))
     axis = _axis(target, links, i)
     twist = quat.twist_about(local, axis)
