@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from .. import quat
 from ..arrays import Array, Flags, Indices
 from ..character.character import Character
 from ..character.joints import FINGER_JOINTS, PARENTS, SIDES
@@ -17,7 +18,12 @@ from ..character.morphology import Limb, LimbKind
 from ..errors import MappingError
 
 NONE = -1
-ELBOW = (0.0, 1.0, 0.0)
+Direction = tuple[float, float, float]
+KNEE: Direction = (0.0, -1.0, 0.0)
+ELBOW: Direction = (0.0, 1.0, 0.0)
+"""Where the middle joints of people's legs and arms point, character frame."""
+BENT = 0.02
+"""A leg whose middle joint lies this far off its line at rest shows which way it bends, in shares of the line."""
 
 _ARM = ("Shoulder", "UpperArm", "LowerArm", "Hand")
 _LEG = ("UpperLeg", "LowerLeg", "Foot", "Toes")
@@ -36,7 +42,7 @@ class LimbLinks:
     """Links from the hip or shoulder to the foot or hand."""
     ball: int = NONE
     """Link of the toes, NONE without one."""
-    pole: tuple[float, float, float] = (0.0, -1.0, 0.0)
+    pole: Direction = KNEE
     """Where the middle joint points at rest, character frame: knees forward, elbows back."""
 
     @property
@@ -146,9 +152,29 @@ class _Builder:
             np.array([place[e.after] for e in entries], dtype=np.intp),
             np.array([self._is_curved(e) for e in entries], dtype=bool),
             tuple(self._twists(e) for e in entries),
-            tuple(LimbLinks(n, tuple(place[j] for j in chain), place[ball]) for n, chain, ball in self.legs),
+            tuple(
+                LimbLinks(n, tuple(place[j] for j in chain), place[ball], self._knee(chain))
+                for n, chain, ball in self.legs
+            ),
             tuple(LimbLinks(n, tuple(place[j] for j in chain), pole=ELBOW) for n, chain, _ in self.arms),
         )
+
+    def _knee(self, chain: Sequence[str]) -> Direction:
+        """Return where the first bend of a leg points at rest: forward on people, as it is built on animals.
+
+        An animal's leg that is straight at rest is taken for an arm when it is a front leg.
+        """
+        if self.target.humanoid or len(chain) < 3:
+            return KNEE
+        bones = [self.entries[name].target for name in chain[:3]]
+        top, middle, bottom = self.target.local_to_character.points(self.target.skeleton.rest_positions[bones])
+        line = quat.unit(bottom - top)
+        off = middle - top - ((middle - top) @ line) * line
+        if quat.length(off) < BENT * quat.length(bottom - top):
+            rows = [leg.row for leg in self.target.legs if bones[0] in leg.bones]
+            return ELBOW if rows == [0] and self.target.legs[-1].row > 0 else KNEE
+        x, y, z = (float(v) for v in quat.unit(off))
+        return x, y, z
 
     def _is_curved(self, entry: _Entry) -> bool:
         if entry.after is None:
