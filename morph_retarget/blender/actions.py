@@ -155,7 +155,7 @@ class Writer:
             curve.update()
 
     def copy(self, curve: bpy.types.FCurve) -> None:
-        """Take over a curve as it is: keys, handles, modifiers' settings aside."""
+        """Take over a curve as it is: keys, handles, modifiers; samples become keys."""
         own = self._bag.fcurves.new(curve.data_path, index=curve.array_index)
         if curve.group:
             own.group = self._group(curve.group.name)
@@ -166,7 +166,19 @@ class Writer:
             values = np.empty(count * width, dtype=kind)
             curve.keyframe_points.foreach_get(name, values)
             own.keyframe_points.foreach_set(name, values)
+        if len(curve.sampled_points):
+            self._take_samples(curve, own)
+        for modifier in curve.modifiers:
+            _copy_modifier(modifier, own)
         own.update()
+
+    def _take_samples(self, curve: bpy.types.FCurve, own: bpy.types.FCurve) -> None:
+        count = len(curve.sampled_points)
+        values = np.empty(count * 2, dtype=np.float32)
+        curve.sampled_points.foreach_get("co", values)
+        own.keyframe_points.add(count)
+        own.keyframe_points.foreach_set("co", values)
+        own.keyframe_points.foreach_set("interpolation", np.full(count, _LINEAR, dtype=np.uint8))
 
     def limit(self, first: float, last: float) -> None:
         """Make the action last from ``first`` to ``last`` where some of its keys lie outside."""
@@ -183,6 +195,20 @@ class Writer:
     def discard(self) -> None:
         """Remove the unfinished action."""
         bpy.data.actions.remove(self.action)
+
+
+def _copy_modifier(modifier: bpy.types.FModifier, curve: bpy.types.FCurve) -> None:
+    """Give a curve a modifier like another one, setting by setting."""
+    if modifier.type == "CYCLES" and len(curve.keyframe_points) < 2:
+        return  # Blender has nothing to repeat
+    own = curve.modifiers.new(modifier.type)
+    for prop in modifier.bl_rna.properties:
+        if prop.type == "COLLECTION" and prop.identifier == "control_points":
+            for point in modifier.control_points:  # type: ignore[attr-defined]
+                added = own.control_points.add(point.frame)  # type: ignore[attr-defined]
+                added.min, added.max = point.min, point.max
+        elif not prop.is_readonly and prop.type not in {"POINTER", "COLLECTION"}:
+            setattr(own, prop.identifier, getattr(modifier, prop.identifier))
 
 
 _KEY_PROPERTIES = (

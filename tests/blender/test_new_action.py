@@ -78,6 +78,21 @@ def test_what_the_clip_does_not_move_keeps_its_old_curves(walk: Source) -> None:
     assert len(hips.keyframe_points) == scenes.COUNT
 
 
+def test_curves_that_are_kept_keep_their_modifiers_and_samples(walk: Source) -> None:
+    ob, _ = _dressed()
+    path = ob.pose.bones['Antenna "1"'].path_from_id("rotation_quaternion")
+    noisy, baked = (scenes.curves_of(ob)[path, i] for i in (1, 2))
+    noisy.modifiers.new("CYCLES")
+    noise = noisy.modifiers.new("NOISE")
+    noise.strength, noise.use_influence, noise.influence = 0.3, True, 0.5
+    baked.convert_to_samples(5, 14)
+    frames = np.linspace(0.0, 30.0, 50)
+    before = [[curve.evaluate(frame) for frame in frames] for curve in (noisy, baked)]
+    scenes.give(walk, ob)
+    after = [[scenes.curves_of(ob)[path, i].evaluate(frame) for frame in frames] for i in (1, 2)]
+    assert np.abs(np.array(after) - before).max() < 1e-5
+
+
 def test_other_bones_can_be_left_out(walk: Source) -> None:
     ob, _ = _dressed()
     scenes.give(walk, ob, Options(keep_others=False))

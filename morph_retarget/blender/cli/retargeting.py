@@ -29,6 +29,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--map", metavar="FILE", help="joint map for the targets (JSON, as map --json prints it)")
     parser.add_argument("--source-map", metavar="FILE", help="joint map for the source")
+    parser.add_argument("--source-armature", metavar="NAME", help="which armature of the source, as --armature")
     parser.add_argument(
         "--report", metavar="FILE", help="write what was done and measured, as a JSON list with one entry a pair"
     )
@@ -255,9 +256,9 @@ def _read_sources(job: _Job, joints: dict[str, str]) -> list[Source]:
         # The targets are in the open file, which must not be closed for the source.
         others = set(bpy.data.actions)
         with load.borrowed(request) as armatures:
-            ob = load.choose(armatures, request.path, arguments.armature)
+            ob = load.choose(armatures, request.path, arguments.source_armature or arguments.armature)
             return _sample(job, ob, request, joints, [a for a in bpy.data.actions if a not in others])
-    ob, _ = open_rig(arguments.source, arguments.armature)
+    ob, _ = open_rig(arguments.source, arguments.source_armature or arguments.armature)
     return _sample(job, ob, request, joints, list(bpy.data.actions))
 
 

@@ -16,8 +16,6 @@ REACH = 0.9985
 """Legs are kept a trifle short of straight, where a millimetre of reach costs degrees of knee."""
 DROP_TIME = 0.15
 """The hips sink to let a foot reach its place, and rise again, over about this time [s]."""
-SPINE_SHARE = 0.25
-"""How much of a hand's way the spine and clavicle may take."""
 
 
 @dataclass(frozen=True, eq=False)
