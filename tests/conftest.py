@@ -1,8 +1,10 @@
 """What all tests share: where the real rigs and clips are, and steady random examples."""
 
 import os
+import sys
 from pathlib import Path
 
+import bpy
 import hypothesis
 import pytest
 
@@ -12,6 +14,22 @@ DATA = Path(os.environ.get("MORPH_RETARGET_DATA", ROOT.parent / "shared" / "data
 
 hypothesis.settings.register_profile("steady", derandomize=True, deadline=None, max_examples=60)
 hypothesis.settings.load_profile("steady")
+
+
+_status: list[int] = []
+
+
+def pytest_sessionfinish(exitstatus: int) -> None:
+    _status.append(int(exitstatus))
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure() -> None:
+    """Leave at once with Blender 4.5 as a module: a thread of its own may block its end."""
+    if _status and bpy.app.version < (5, 0):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(_status[0])
 
 
 def pytest_report_header() -> str:
