@@ -114,22 +114,13 @@ def triples(body: Body, candidates: Units, joints: tuple[str, str, str], shape: 
     """
     names = np.array([[unit_score(body, candidates, u, j) for j in joints] for u in range(len(candidates))])
     rows: list[tuple[int, int, int]] = []
-    hops: list[float] = []
-    evidence = body.evidence
     for end, above in enumerate(candidates.ancestors):
         if names.size and names[end, 2] <= -6.0 and names[end, 1] <= -6.0:
             continue
-        for i, lower in enumerate(above):
-            step = evidence.hops(candidates.main(lower), candidates.main(end))
-            for upper in above[i + 1 :]:
-                rows.append((upper, lower, end))
-                hops.append(step + evidence.hops(candidates.main(upper), candidates.main(lower)))
-        for upper in above:
-            rows.append((upper, end, -1))
-            hops.append(evidence.hops(candidates.main(upper), candidates.main(end)))
-    for upper, lower, end in _loose_ends(body, candidates):
-        rows.append((upper, lower, end))
-        hops.append(-LOOSE_END + evidence.hops(candidates.main(upper), candidates.main(lower)))
+        rows += [(upper, lower, end) for i, lower in enumerate(above) for upper in above[i + 1 :]]
+        rows += [(upper, end, -1) for upper in above]
+    in_line = len(rows)
+    rows += _loose_ends(body, candidates)
     if not rows:
         empty = np.empty(0, dtype=np.intp)
         return Triples(empty, empty, empty, np.empty(0), np.empty(0))
@@ -139,8 +130,18 @@ def triples(body: Body, candidates: Units, joints: tuple[str, str, str], shape: 
     form = np.where(has_end, np.maximum(shape(points[upper], points[lower], points[end]), SHAPE_FLOOR), NO_END)
     single = np.where((candidates.bones[upper] < 0).any(axis=1), SINGLE, 0.0)
     score = names[upper, 0] + names[lower, 1] + np.where(has_end, names[end, 2], 0.0)
-    score += trust * form - np.array(hops) + single
+    score += trust * form + single - _passed_over(body, candidates, upper, lower)
+    held = np.flatnonzero(has_end[:in_line])
+    score[held] -= _passed_over(body, candidates, lower[held], end[held])
+    score[in_line:] += LOOSE_END
     return Triples(upper, lower, end, score, form)
+
+
+def _passed_over(body: Body, candidates: Units, top: Indices, bottom: Indices) -> Array:
+    """Return the cost of the bones between units and others that hang below them, shape (n,)."""
+    evidence, (left, right) = body.evidence, candidates.bones.T
+    main: Indices = np.where(left >= 0, left, right)
+    return evidence.passing[evidence.tree.parents[main[bottom]]] - evidence.passing[main[top]]
 
 
 def _loose_ends(body: Body, candidates: Units) -> Iterator[tuple[int, int, int]]:
