@@ -139,8 +139,8 @@ def triples(body: Body, candidates: Units, joints: tuple[str, str, str], shape: 
 
 def _passed_over(body: Body, candidates: Units, top: Indices, bottom: Indices) -> Array:
     """Return the cost of the bones between units and others that hang below them, shape (n,)."""
-    evidence, (left, right) = body.evidence, candidates.bones.T
-    main: Indices = np.where(left >= 0, left, right)
+    evidence, bones = body.evidence, candidates.bones
+    main: Indices = np.where(bones[:, 0] >= 0, bones[:, 0], bones[:, 1])
     return evidence.passing[evidence.tree.parents[main[bottom]]] - evidence.passing[main[top]]
 
 
