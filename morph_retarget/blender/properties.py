@@ -10,6 +10,7 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -104,6 +105,14 @@ class MORPHRETARGET_PG_rig(bpy.types.PropertyGroup):
         name="Live Source",
         description="Armature that this one follows while frames change; nothing when empty",
         poll=_is_armature,
+        override=_OVERRIDABLE,
+    )
+
+    home: FloatVectorProperty(
+        name="Home",
+        description="Transform of the object before it began to follow, where the motion moves the object itself",
+        size=16,
+        options={"HIDDEN"},
         override=_OVERRIDABLE,
     )
 

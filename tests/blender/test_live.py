@@ -9,6 +9,7 @@ import pytest
 from morph_retarget.blender import live
 from morph_retarget.blender.properties import of_rig
 from tests.blender import scenes, window
+from tools import bodies
 
 ops = bpy.ops.morph_retarget
 BONES = ["Hips", "Head", "Hand.L", "Foot.R"]
@@ -30,6 +31,29 @@ def test_the_live_pose_is_the_baked_pose() -> None:
     ops.retarget()
     baked = scenes.evaluated(target, BONES, FRAMES)
     assert np.abs(followed - baked).max() < 1e-5
+
+
+def _skin(body: bpy.types.Object) -> np.ndarray:
+    """Return the vertices of a skinned mesh as they are shown, world space, shape (vertex, 3)."""
+    seen = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return np.array([seen.matrix_world @ vertex.co for vertex in seen.data.vertices])
+
+
+@pytest.mark.parametrize("root", ["hips", "object"])
+def test_a_skinned_mesh_follows_too(root: str) -> None:
+    settings, _, target = window.pair()
+    settings.root_motion = root
+    body = bodies.clothe(target)
+    ops.live_start()
+    shown = []
+    for frame in FRAMES:
+        bpy.context.scene.frame_set(frame)
+        shown.append(_skin(body))
+    ops.live_stop()
+    ops.retarget()
+    for frame, followed in zip(FRAMES, shown, strict=True):
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(followed - _skin(body)).max() < 1e-5
 
 
 @pytest.mark.parametrize("mode", ["XYZ", "AXIS_ANGLE"])
@@ -105,6 +129,22 @@ def test_clearing_brings_the_rest_back() -> None:
     assert max(away) < 1e-6
     bpy.context.scene.frame_set(25)
     assert max(np.abs(np.array(bone.matrix_basis) - np.eye(4)).max() for bone in target.pose.bones) < 1e-6
+
+
+def test_an_object_that_travels_is_put_back_and_never_strays() -> None:
+    settings, _, target = window.pair()
+    settings.root_motion = "object"
+    target.location = (1.0, 2.0, 0.0)
+    bpy.context.view_layer.update()
+    ops.live_start()
+    there = scenes.evaluated(target, BONES, [30])
+    for lock in (0.5, 1.0):  # transferred anew, while the object is away
+        settings.lock = lock
+    assert np.abs(scenes.evaluated(target, BONES, [30]) - there).max() < 1e-5
+    live.forget()
+    assert np.abs(scenes.evaluated(target, BONES, [30]) - there).max() < 1e-5
+    ops.live_stop()
+    assert tuple(target.location) == pytest.approx((1.0, 2.0, 0.0), abs=1e-6)
 
 
 def test_what_cannot_follow_says_why_and_stops() -> None:
