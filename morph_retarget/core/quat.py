@@ -24,6 +24,8 @@ def _in_blocks(width: int) -> Callable[[Callable[[Array, Array, Array], None]], 
     """Make a product, given by how it fills ``out``, work on blocks of rows; its last axis is ``width`` long."""
 
     def decorate(fill: Callable[[Array, Array, Array], None]) -> Callable[[Array, Array], Array]:
+        """Return the product that ``fill`` makes, whatever shapes the two factors have."""
+
         @wraps(fill)
         def product(a: Array, b: Array) -> Array:
             shape = np.broadcast_shapes(a.shape[:-1], b.shape[:-1])

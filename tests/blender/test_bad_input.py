@@ -143,9 +143,9 @@ def test_a_file_that_is_no_rig_is_refused_by_name(
     refused: Refused, files: Files, out: Path, tmp_path: Path, make: Callable[[Files, Path], Path]
 ) -> None:
     path = make(files, tmp_path)
-    refused("map", path, names=path)
-    refused("retarget", path, files.tall, "-o", out / "o.blend", "--report", out / "r.json", names=path)
-    refused("retarget", files.clip("blend"), path, "-o", out / "o.blend", "--report", out / "r.json", names=path)
+    assert refused("map", path, names=path)
+    assert refused("retarget", path, files.tall, "-o", out / "o.blend", "--report", out / "r.json", names=path)
+    assert refused("retarget", files.clip("blend"), path, "-o", out / "o.blend", "--report", out / "r.json", names=path)
 
 
 def _compressed(extension: str) -> dict[str, object]:
@@ -318,14 +318,14 @@ def test_a_place_that_cannot_be_written_is_refused_before_any_work(
     (out / "folder.blend").mkdir()
     path = out / where
     arguments = ["-o", path] if option == "-o" else ["-o", out / "o.blend", "--report", path]
-    refused("retarget", files.clip("blend"), files.tall, *arguments, names=path if where != "." else out)
+    assert refused("retarget", files.clip("blend"), files.tall, *arguments, names=path if where != "." else out)
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_without_permission_is_refused(refused: Refused, files: Files, out: Path) -> None:
     closed = out / "closed"
     closed.mkdir(mode=0o500)
-    refused("retarget", files.clip("blend"), files.tall, "-o", closed / "o.blend", names=closed / "o.blend")
+    assert refused("retarget", files.clip("blend"), files.tall, "-o", closed / "o.blend", names=closed / "o.blend")
 
 
 @pytest.mark.parametrize("name", ["o", "o.txt", "o.vrm", "o.gltf", "blend"])
@@ -339,13 +339,13 @@ def test_an_unknown_kind_of_output_is_refused_with_the_choices(
 
 def test_results_that_would_share_a_file_are_refused(refused: Refused, files: Files, out: Path, tmp_path: Path) -> None:
     pair = [files.sprout, files.tall]
-    refused("retarget", files.clip("blend"), *pair, "-o", out / "o.bvh", names=out / "o.bvh")
-    refused("retarget", files.clip("blend"), *pair, "-o", out / "{source}.blend", names="{source}.blend")
-    refused("retarget", files.clips, files.tall, "--all-actions", "-o", out / "o.glb", names=out / "o.glb")
+    assert refused("retarget", files.clip("blend"), *pair, "-o", out / "o.bvh", names=out / "o.bvh")
+    assert refused("retarget", files.clip("blend"), *pair, "-o", out / "{source}.blend", names="{source}.blend")
+    assert refused("retarget", files.clips, files.tall, "--all-actions", "-o", out / "o.glb", names=out / "o.glb")
     twin = tmp_path / files.tall.name
     twin.write_bytes(files.tall.read_bytes())
     template = out / "{target}.blend"
-    refused("retarget", files.clip("blend"), files.tall, twin, "-o", template, names=out / "tall.blend")
+    assert refused("retarget", files.clip("blend"), files.tall, twin, "-o", template, names=out / "tall.blend")
 
 
 @pytest.mark.parametrize("template", ["both.blend", "{target}.blend", "{target}.glb"])
@@ -361,7 +361,7 @@ def test_when_one_of_several_targets_fails_nothing_is_written(
         bad = scenes.save(tmp_path / "bad.blend")
     (out / "sprout.blend").write_text("an older result")
     arguments = [files.clip("blend"), files.sprout, bad, files.tall, "-o", out / template, "--report", out / "r.json"]
-    refused("retarget", *arguments, names=bad)
+    assert refused("retarget", *arguments, names=bad)
 
 
 def test_a_failure_leaves_the_open_file_without_half_an_action(refused: Refused, files: Files, out: Path) -> None:

@@ -5,7 +5,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import MotionError
 from .. import collect, contacts, retarget
-from ..properties import of_rig, of_scene
+from ..properties import MORPHRETARGET_PG_rig, of_rig, of_scene
 from .manners import Status, refuse, reporting, scene_in
 
 
@@ -42,10 +42,9 @@ class MORPHRETARGET_OT_detect_contacts(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_clear_contacts(bpy.types.Operator):
-    bl_idname = "morph_retarget.clear_contacts"
-    bl_label = "Clear Contacts"
-    bl_description = "Forget the listed contacts; the feet are watched again at each retarget"
+class _OnList(bpy.types.Operator):
+    """What acts on the contacts that are listed for the panel's source."""
+
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -53,11 +52,21 @@ class MORPHRETARGET_OT_clear_contacts(bpy.types.Operator):
         ob = _source(context)
         return (ob is not None and len(of_rig(ob).contacts) > 0) or refuse(cls, "No contacts are listed")
 
-    def execute(self, context: bpy.types.Context) -> Status:
+    def _rig(self, context: bpy.types.Context) -> MORPHRETARGET_PG_rig:
         ob = _source(context)
         assert ob is not None, "poll has checked that there is a source"
-        of_rig(ob).contacts.clear()
-        of_rig(ob).contacts_action = ""
+        return of_rig(ob)
+
+
+class MORPHRETARGET_OT_clear_contacts(_OnList):
+    bl_idname = "morph_retarget.clear_contacts"
+    bl_label = "Clear Contacts"
+    bl_description = "Forget the listed contacts; the feet are watched again at each retarget"
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        rig = self._rig(context)
+        rig.contacts.clear()
+        rig.contacts_action = ""
         return {"FINISHED"}
 
 
@@ -91,23 +100,15 @@ class MORPHRETARGET_OT_add_contact(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_contact(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_contact(_OnList):
     bl_idname = "morph_retarget.remove_contact"
     bl_label = "Remove Contact"
     bl_description = "Remove the active contact from the list"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        ob = _source(context)
-        return (ob is not None and len(of_rig(ob).contacts) > 0) or refuse(cls, "No contacts are listed")
 
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _source(context)
-        assert ob is not None, "poll has checked that there is a source"
-        settings = of_rig(ob)
-        settings.contacts.remove(settings.active_contact)
-        settings.active_contact = max(min(settings.active_contact, len(settings.contacts) - 1), 0)
+        rig = self._rig(context)
+        rig.contacts.remove(rig.active_contact)
+        rig.active_contact = max(min(rig.active_contact, len(rig.contacts) - 1), 0)
         return {"FINISHED"}
 
 

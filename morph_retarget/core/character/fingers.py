@@ -71,6 +71,7 @@ def _chains(evidence: Evidence, hand: int) -> list[Chain]:
     out: list[Chain] = []
 
     def follow(start: int) -> None:
+        """Collect the lines of bones from ``start`` to their ends, a new one for each finger on a palm."""
         line = [start]
         while True:
             reading = evidence.readings[line[-1]]

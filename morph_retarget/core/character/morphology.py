@@ -151,6 +151,7 @@ def _branches(body: Body, left_is_x: bool) -> list[_Branch]:
     out: list[_Branch] = []
 
     def start(bone: int, attachment: int, above: tuple[int, ...]) -> None:
+        """Collect the branch that begins with ``above`` and ``bone`` and hangs on ``attachment``."""
         line, reach = [*above, bone], 0.0
         while True:
             below = [c for c in evidence.tree.children[line[-1]] if not evidence.thing[c] and not _is_spur(evidence, c)]

@@ -140,6 +140,7 @@ class _Builder:
             self.entries[name].after = after
 
     def build(self) -> Links:
+        """Return all links that were added, names resolved to places."""
         names = tuple(self.entries)
         place = {name: i for i, name in enumerate(names)} | {None: NONE}
         entries = list(self.entries.values())
