@@ -1,0 +1,125 @@
+"""Aiming at targets: frames whose x axis leads to one, and the look-at controller (Hecker 2008 §3.2.2)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags, Indices
+from .bodies import FORWARD, LEFT, UP
+
+AHEAD: Array = np.stack([FORWARD, LEFT, UP], axis=-1)
+"""Axes of a frame whose target is straight ahead, as columns: toward it, left, up."""
+FREE = np.radians(45.0)
+"""A gaze follows its target fully up to this angle from the body's forward."""
+MOST = np.radians(80.0)
+"""It never turns farther than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aims:
+    """Which of some bodies move relative to targets, or look at them."""
+
+    tiny: float
+    """Distance below which a target is gradually taken for straight ahead [m]."""
+    aimed: Indices
+    """Bodies whose frames lead to a target, shape (aimed,)."""
+    rest: Array
+    """Their rest positions, seen in the mirror where they are mirrored [m], shape (aimed, 3)."""
+    flip: Array
+    """-1 where they are mirrored, else 1, shape (aimed,)."""
+    only_turned: Flags
+    """Whether the x axis keeps its scale, shape (aimed,)."""
+    level: Flags
+    """Whether the frame only turns about the vertical, shape (aimed,)."""
+    looking: Indices
+    """Bodies that look at a target, shape (looking,)."""
+    forwards: Array
+    """Where these look at rest, unit vectors, shape (looking, 3)."""
+
+    def turned(self, targets: Array, axes: Array, scale: Array) -> tuple[Array, Array]:
+        """Return axes and scales of all bodies with those of the aimed ones turned and stretched toward targets.
+
+        The axes are turned from straight ahead to the target by the smallest rotation, which is singular for targets
+        straight behind alone.
+
+        Args:
+            targets: [m], shape (frame, body, 3).
+            axes: Shape (1, body, 3, 3).
+            scale: Shape (1, body, 3).
+        """
+        axes, scale = np.repeat(axes, len(targets), axis=0), np.repeat(scale, len(targets), axis=0)
+        if not len(self.aimed):
+            return axes, scale
+        away = targets[:, self.aimed] * np.stack([self.flip, np.ones_like(self.flip), np.ones_like(self.flip)], axis=-1)
+        away = away - self.rest
+        away[..., 2] *= ~self.level
+        distance = quat.length(away)
+        near = _smooth(distance / self.tiny)[..., None]
+        direction = away / np.maximum(distance, 1e-12)[..., None]
+        turn = quat.between(FORWARD, FORWARD + near * (direction - FORWARD))
+        axes[:, self.aimed] = quat.to_matrix(turn) @ AHEAD
+        axes[:, self.aimed, 0] *= self.flip[:, None]
+        stretched = np.maximum(distance, 0.1 * self.tiny)
+        scale[:, self.aimed, 0] = np.where(self.only_turned, scale[:, self.aimed, 0], stretched)
+        return axes, scale
+
+    def gaze(self, targets: Array) -> "Gaze | None":
+        """Return what looks at the targets, None when nothing does."""
+        if not len(self.looking):
+            return None
+        return Gaze(self.looking, self.forwards, targets[:, self.looking], self.tiny)
+
+
+def _smooth(t: Array) -> Array:
+    """Return 0 … 1 for 0 … 1, starting and ending gently."""
+    t = np.clip(t, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@dataclass(frozen=True, eq=False)
+class Gaze:
+    """Bodies that look at targets. A gaze turns a body's frame, so that a head can nod while it looks."""
+
+    rows: Indices
+    """The bodies that look."""
+    forwards: Array
+    """Where they look at rest, unit vectors, shape (looking, 3)."""
+    targets: Array
+    """[m], character frame, shape (frame, looking, 3)."""
+    tiny: float
+    """A target nearer than this [m] is gradually not looked at."""
+
+    def applied(self, turned: Array, places: Array, way: float) -> Array:
+        """Return orientations turned toward the targets, as seen from ``places``, or (``way`` = -1) turned back."""
+        away = self.targets - places[:, self.rows]
+        turn = quat.from_rotation_vector(way * toward(self.forwards, away, self.tiny))
+        out = np.broadcast_to(turned, (len(turn), *turned.shape[1:])).copy()
+        out[:, self.rows] = quat.multiply(turn, out[:, self.rows])
+        return out
+
+
+def toward(forward: Array, away: Array, tiny: float) -> Array:
+    """Return the rotation vectors [rad] by which bodies turn to look along ``away``, limited softly.
+
+    Up to `FREE` the gaze is on the target; beyond, it lags more and more, never more than `MOST` off the body's
+    forward; and in the half space behind, it comes back to straight ahead.
+
+    Args:
+        forward: Unit vectors, shape (..., 3).
+        away: To the targets [m], shape (..., 3).
+        tiny: Distance below which a target is gradually ignored [m].
+    """
+    distance = quat.length(away)
+    direction = away / np.maximum(distance, 1e-12)[..., None]
+    axis = quat.cross(np.broadcast_to(forward, direction.shape), direction)
+    sine = quat.length(axis)
+    angle = np.arctan2(sine, quat.dot(np.broadcast_to(forward, direction.shape), direction))
+    soft = FREE + (MOST - FREE) * np.tanh((angle - FREE) / (MOST - FREE))
+    limited = np.where(angle > FREE, soft, angle)
+    behind = np.clip((angle - 0.5 * np.pi) / (0.5 * np.pi), 0.0, 1.0)
+    fade = 0.5 * (1.0 + np.cos(np.pi * behind))
+    near = np.clip(distance / tiny, 0.0, 1.0)
+    # Small angles turn about a vector that vanishes with them; straight behind, nothing is left to turn by.
+    unit = axis / np.maximum(sine, 1e-12)[..., None]
+    return (limited * fade * near)[..., None] * unit

@@ -1,0 +1,221 @@
+"""Movement modes: what matters about a movement, and the generalization G and specialization S that follow from it.
+
+Hecker 2008 §3.2. For each body a mode is a *frame*: an origin, three square axes and a scale along each. Position is
+generalized by going into the frame and specialized by going out of it, so that ``S = G^-1`` by construction, and a
+mode only says where the frame stands. All frames of a clip and all bodies are one batch.
+
+Generalized axes are those of the character (x left, y back, z up), except where a mode takes one of them over:
+
+- *ground-relative*: z is vertical, 0 at rest and 1 at the ground;
+- *sagittal-relative*: x is lateral, 0 at rest and 1 on the plane of symmetry;
+- *secondary-relative*: x leads from the rest position to the target, 0 at rest and 1 at the target; y and z are square
+  to it, to the left and up when the target is straight ahead. The lateral axis is taken, so sagittal-relative has no
+  effect; with ground-relative as well, x leads to the target in plan only and z stays vertical.
+
+Where a frame would degenerate it does not:
+
+- a body that rests on the ground (or below it) moves down by a thousandth of the character's size for a z of 1, and
+  up, for negative z, by at least a quarter of its limb's length; no body near the ground moves up by less;
+- sagittal-relative bodies on the plane of symmetry move by a thousandth of the character's size, toward the right;
+- a target nearer to the rest position than a thousandth of the character's size counts as straight ahead, gradually,
+  and never as nearer than a tenth of that;
+- extents and limb lengths have the least values told in `bodies`.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags, Indices
+from . import aim
+from .bodies import Bodies
+
+TINY = 1e-3
+"""Least length of a frame's axis, as a share of the character's size."""
+LIFT = 0.25
+"""Least way up for one unit of ground-relative height, as a share of the limb's length."""
+
+
+class PositionMode(StrEnum):
+    """What a position is measured from."""
+
+    REST_RELATIVE = "rest_relative"
+    ABSOLUTE = "absolute"
+
+
+class RotationMode(StrEnum):
+    """What a rotation is measured from."""
+
+    REST_RELATIVE = "rest_relative"
+    ABSOLUTE = "absolute"
+
+
+class ScaleMode(StrEnum):
+    """What positions are scaled by."""
+
+    NONE = "none"
+    CREATURE_SIZE = "creature_size"
+    LIMB_LENGTH = "limb_length"
+
+
+@dataclass(frozen=True)
+class Movement:
+    """What matters about a movement; the settings layer, see the module."""
+
+    position: PositionMode = PositionMode.REST_RELATIVE
+    """Absolute positions are the same place on every character: its rest pose is not that of the others."""
+    rotation: RotationMode = RotationMode.REST_RELATIVE
+    """Absolute rotations are the same orientation of the body's own axes on every character."""
+    scale: ScaleMode = ScaleMode.NONE
+    """In a frame that turns with a target, CreatureSize scales by the mean of the three extents."""
+    ground_relative: bool = False
+    sagittal_relative: bool = False
+    secondary_relative: bool = False
+    directional_only: bool = False
+    """SecondaryDirectionalOnly: the x axis turns with the target and is scaled by ``scale`` alone."""
+    look_at: bool = False
+    """Rotations are recorded in a frame that looks at the target; needs a target, as secondary-relative does."""
+
+    @property
+    def has_target(self) -> bool:
+        """Whether the movement depends on a target."""
+        return self.secondary_relative or self.look_at
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The frames of some bodies in some movement modes, from which G and S follow.
+
+    Arrays with a leading 1 hold for every frame of the clip.
+    """
+
+    origin: Array
+    """[m], shape (1, body, 3)."""
+    axes: Array
+    """Columns are the generalized axes in the character frame, shape (frame or 1, body, 3, 3); left-handed where
+    mirrored."""
+    scale: Array
+    """Length along each axis for one unit [m], negative where an axis runs backward, shape (frame or 1, body, 3)."""
+    lift: Array
+    """Ratio of the scale of negative z to that of positive z, shape (body,)."""
+    base: Array
+    """Orientation that a rotation of identity means, before looking at a target, shape (body, 4)."""
+    mirrored: Flags
+    """Shape (body,)."""
+    aims: aim.Aims
+    """Which bodies have targets, and from where."""
+    gaze: aim.Gaze | None = None
+    """What looks at a target, None while nothing does."""
+
+    def toward(self, targets: Array) -> "Frames":
+        """Return the frames turned and stretched toward targets.
+
+        Args:
+            targets: Target of each body [m], character frame, shape (frame, body, 3); unused without a target.
+        """
+        axes, scale = self.aims.turned(targets, self.axes, self.scale)
+        return replace(self, axes=axes, scale=scale, gaze=self.aims.gaze(targets))
+
+
+def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored: Flags) -> Frames:
+    """Return the frames in which some bodies move, for targets straight ahead.
+
+    A mirrored body's frame is that of its mirror image, reflected: ``S(b, q, true)`` is the reflection of
+    ``S(b', q, false)``, where b' is b seen in a mirror on the plane of symmetry (Hecker 2008 §4.1.2).
+
+    Args:
+        bodies: Of the character.
+        chosen: The bodies, shape (body,); one may stand there several times.
+        modes: Movement of each.
+        mirrored: Whether each is specialized as its mirror image, shape (body,).
+    """
+    flip = np.where(mirrored, -1.0, 1.0)
+    rest = bodies.positions[chosen].copy()
+    rest[:, 0] *= flip
+    origin, axes, scale, lift = _still(bodies, chosen, modes, rest)
+    origin[:, 0] *= flip
+    aimed, looking = _where(m.secondary_relative for m in modes), _where(m.look_at for m in modes)
+    aims = aim.Aims(
+        TINY * bodies.size,
+        aimed,
+        rest[aimed],
+        flip[aimed],
+        np.array([m.directional_only for m in modes], dtype=bool)[aimed],
+        np.array([m.ground_relative for m in modes], dtype=bool)[aimed],
+        looking,
+        bodies.forwards[chosen[looking]],
+    )
+    absolute = np.array([m.rotation is RotationMode.ABSOLUTE for m in modes], dtype=bool)
+    base = np.where(absolute[:, None], quat.IDENTITY, bodies.axes[chosen])
+    axes[:, 0, :] *= flip[:, None]
+    return Frames(origin[None], axes[None], scale[None], lift, base, mirrored, aims)
+
+
+def _where(flags: Iterable[bool]) -> Indices:
+    return np.flatnonzero(np.array(list(flags), dtype=bool))
+
+
+def _still(
+    bodies: Bodies, chosen: Indices, modes: Sequence[Movement], rest: Array
+) -> tuple[Array, Array, Array, Array]:
+    """Return origins, axes, scales and lifts without targets; ``rest`` is seen in the mirror."""
+    count, tiny = len(chosen), TINY * bodies.size
+    limbs = bodies.limb_lengths[chosen]
+    origin, axes = rest.copy(), np.tile(np.eye(3), (count, 1, 1))
+    scale, lift = np.ones((count, 3)), np.ones(count)
+    for i, mode in enumerate(modes):
+        if mode.position is PositionMode.ABSOLUTE and not mode.secondary_relative:
+            origin[i] = 0.0
+        if mode.scale is ScaleMode.LIMB_LENGTH:
+            scale[i] = limbs[i]
+        elif mode.scale is ScaleMode.CREATURE_SIZE:
+            scale[i] = np.cbrt(np.prod(bodies.extents)) if mode.secondary_relative else bodies.extents
+        if mode.sagittal_relative and not mode.secondary_relative:
+            origin[i, 0] = rest[i, 0]
+            scale[i, 0] = -np.sign(rest[i, 0] or 1.0) * max(abs(rest[i, 0]), tiny)
+        if mode.ground_relative:
+            origin[i, 2] = rest[i, 2]
+            down = max(rest[i, 2], tiny)
+            scale[i, 2], lift[i] = -down, max(down, LIFT * limbs[i]) / down
+        if mode.secondary_relative:
+            axes[i] = aim.AHEAD
+    return origin, axes, scale, lift
+
+
+def reflected(rotations: Array, mirrored: Flags) -> Array:
+    """Return rotations, shape (..., body, 4), reflected on the plane of symmetry where ``mirrored``."""
+    signs = np.where(mirrored[:, None], np.array([1.0, 1.0, -1.0, -1.0]), 1.0)
+    return rotations * signs
+
+
+def specialize(found: Frames, positions: Array, rotations: Array) -> tuple[Array, Array]:
+    """Return S: places and orientations of bodies from their generalized coordinates.
+
+    Args:
+        found: Frames of the bodies.
+        positions: Generalized positions, shape (frame, body, 3).
+        rotations: Generalized rotations, unit quaternions, shape (frame, body, 4).
+
+    Returns:
+        Positions [m], shape (frame, body, 3), and orientations of the bodies' own axes, shape (frame, body, 4), both
+        in the character frame.
+    """
+    scaled = positions * found.scale
+    scaled[..., 2] *= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
+    places = found.origin + np.einsum("...ij,...j->...i", found.axes, scaled)
+    turned = quat.multiply(reflected(rotations, found.mirrored), found.base)
+    return places, turned if found.gaze is None else found.gaze.applied(turned, places, 1.0)
+
+
+def generalize(found: Frames, places: Array, turned: Array) -> tuple[Array, Array]:
+    """Return G, the inverse of `specialize`, argument for result."""
+    scaled = np.einsum("...ij,...i->...j", found.axes, places - found.origin)
+    positions = scaled / found.scale
+    positions[..., 2] /= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
+    if found.gaze is not None:
+        turned = found.gaze.applied(turned, places, -1.0)
+    rotations = reflected(quat.multiply(turned, quat.conjugate(found.base)), found.mirrored)
+    return positions, rotations

@@ -1,0 +1,111 @@
+"""Playing a generalized action on a character: prepared once, evaluated for a batch of frames.
+
+generalized values -> specialize and blend -> goals -> pose -> basis rotations of bones
+
+Channels whose targets are bodies of the same character are specialized last, when the others have moved the targets.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import quat
+from .arrays import Array, Indices
+from .character.character import Character
+from .character.morphology import Capability
+from .morph import specialize
+from .morph.bind import Binding
+from .morph.bodies import Bodies
+from .morph.channels import Values
+from .morph.specialize import Deforms
+from .solve import posing
+from .solve.goals import Goals
+from .solve.posing import BodyPose
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A binding to play on a character, ready to be evaluated."""
+
+    character: Character
+    binding: Binding
+    pose: posing.Plan
+    first: "Part | None" = None
+    """The channels that have to be played before this one's targets are known, None when none have to."""
+
+    @property
+    def bodies(self) -> Bodies:
+        """Of the character."""
+        return self.binding.bodies
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """A character over a clip, ready to be keyed or shown."""
+
+    bones: Indices
+    """Bones that are turned, shape (n,)."""
+    basis: Array
+    """Their rotations in their own rest frames, shape (frame, n, 4)."""
+    root: int
+    """The bone that is moved."""
+    shift: Array
+    """How far it moves from where its parents at rest hold it, armature space, shape (frame, 3)."""
+    goals: Goals
+    """What was asked for, character frame."""
+    pose: BodyPose
+    """What came out, character frame."""
+    deforms: Deforms
+
+
+def prepare(character: Character, binding: Binding) -> Part:
+    """Return how a binding plays on its character."""
+    first = None
+    if binding.plan.follows_bodies:
+        first = prepare(character, binding.without_followers())
+    bodies = binding.bodies
+    root = (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
+    wanted: dict[int, tuple[bool, bool]] = {}
+    for entry in binding.entries:
+        position, rotation = wanted.get(entry.body, (False, False))
+        wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
+    goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
+    return Part(character, binding, posing.prepare(character, bodies.positions, root, goals), first)
+
+
+def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Played:
+    """Return a batch of frames.
+
+    Args:
+        part: From `prepare`.
+        values: Of the action's channels.
+        external: Target of each channel that has an external one [m], character frame, shapes (frame or 1, 3).
+    """
+    goals, pose = _solved(part, values, external)
+    plan, skeleton = part.pose, part.character.skeleton
+    to_local = part.character.local_to_character.inverse()
+    bones = np.array(plan.driven, dtype=np.intp)
+    turns = to_local.turns(pose.turns[:, bones])
+    parents = skeleton.parents[bones]
+    alone = parents < 0
+    if skeleton.inherits is not None:
+        alone |= ~skeleton.inherits[bones]
+    above = to_local.turns(pose.turns[:, np.where(alone, 0, parents)])
+    above[:, alone] = quat.IDENTITY
+    rest = skeleton.rest_rotations[bones]
+    basis = quat.multiply(quat.multiply(quat.conjugate(rest), quat.multiply(quat.conjugate(above), turns)), rest)
+    shift = pose.shift @ to_local.rotation.T * to_local.scale
+    return Played(bones, basis, plan.root, shift, goals, pose, specialize.deforms_of(part.binding, values))
+
+
+def goals_at(part: Part, values: Values, external: Mapping[int, Array]) -> Goals:
+    """Return where bodies shall be, without the pose that gets them there; arguments as for `evaluate`."""
+    posed = None if part.first is None else _solved(part.first, values, external)[1].positions
+    found = specialize.frames_of(part.binding, external, posed)
+    return specialize.goals_of(part.binding, values, found)
+
+
+def _solved(part: Part, values: Values, external: Mapping[int, Array]) -> tuple[Goals, BodyPose]:
+    goals = goals_at(part, values, external)
+    return goals, posing.solve(part.pose, goals)
