@@ -48,12 +48,12 @@ def of_result(target: Rig, character: Character, result: Result, root: str | Non
     out: list[Channel] = []
     for i, bone in enumerate(result.bones):
         out.append(rotation(pose_bone(target.object, names[bone]), names[bone], result.basis[:, i]))
-    shifts = {_movable(target, int(bone)): result.shifts[:, i] for i, bone in enumerate(result.moved)}
+    shifts = {movable(target, int(bone)): result.shifts[:, i] for i, bone in enumerate(result.moved)}
     if result.travel is not None and result.root_motion is RootMotion.ROOT_BONE and root is not None:
         # Where the hips cannot move by themselves, what is left to them moves the root as well.
         own = shifts.pop(target.skeleton.index[root], np.zeros((1, 3)))
         out += _root_travel(target, character, result.travel, root, own)
-    out += [_location(target, bone, shift) for bone, shift in shifts.items()]
+    out += [location(target, bone, shift) for bone, shift in shifts.items()]
     if result.travel is not None and result.root_motion is RootMotion.OBJECT:
         out += _object_travel(target.object, character, _pivot(target, character), result.travel)
     return out
@@ -102,13 +102,13 @@ def resting(
     return out
 
 
-def _location(target: Rig, bone: int, shifts: Array) -> Channel:
+def location(target: Rig, bone: int, shifts: Array) -> Channel:
     """Return the location that moves a bone's head by ``shifts``, armature space, while its parents rest."""
     values = quat.rotate(quat.conjugate(_location_axes(target, bone)), shifts)
     return Channel(target.skeleton.names[bone], "location", values)
 
 
-def _movable(target: Rig, bone: int) -> int:
+def movable(target: Rig, bone: int) -> int:
     """Return the bone that moves in place of ``bone``: a connected one cannot, but what it is connected to can."""
     bones = target.armature.bones
     line = [bone, *target.skeleton.tree.ancestors[bone]]
@@ -141,7 +141,7 @@ def _root_travel(target: Rig, character: Character, travel: Travel, root: str, o
     moved = to_local.points(pivot + travel.points + quat.rotate(travel.turns, head - pivot))
     return [
         rotation(pose_bone(target.object, root), root, basis),
-        _location(target, bone, moved - target.skeleton.rest_positions[bone]),
+        location(target, bone, moved - target.skeleton.rest_positions[bone]),
     ]
 
 

@@ -6,22 +6,35 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import live, migrations
+from .morph import cast, perform
 
 
 @persistent
-def _on_frame(scene: bpy.types.Scene, *_: object) -> None:
+def _on_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
     live.show_frame(scene)
+    perform.show_frame(scene, graph)
+
+
+@persistent
+def _on_edit(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
+    perform.update(scene, graph)
+
+
+def _forget() -> None:
+    live.forget()
+    perform.forget()
+    cast.forget(rig=True)
 
 
 @persistent
 def _on_load(*_: object) -> None:
-    live.forget()
+    _forget()
     migrations.upgrade()
 
 
 @persistent
 def _on_undo(*_: object) -> None:
-    live.forget()
+    _forget()
 
 
 @persistent
@@ -33,6 +46,7 @@ def _pairs() -> list[tuple[list[Any], Any]]:
     handlers = bpy.app.handlers
     return [
         (handlers.frame_change_post, _on_frame),
+        (handlers.depsgraph_update_post, _on_edit),
         (handlers.load_post, _on_load),
         (handlers.undo_post, _on_undo),
         (handlers.redo_post, _on_undo),

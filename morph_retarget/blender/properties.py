@@ -24,6 +24,8 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
+from .morph import properties as morph
+from .morph.properties import Performer
 from .retarget import Options, Reference
 
 BY_USER = ("user", "preset")
@@ -80,7 +82,7 @@ class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
     end: IntProperty(name="End", description="Last frame on the ground", update=_changed)
 
 
-class MORPHRETARGET_PG_rig(bpy.types.PropertyGroup):
+class MORPHRETARGET_PG_rig(Performer, bpy.types.PropertyGroup):
     """What is known about one armature."""
 
     joints: CollectionProperty(
@@ -287,11 +289,18 @@ def of_rig(ob: bpy.types.Object) -> MORPHRETARGET_PG_rig:
     return ob.morph_retarget  # type: ignore[attr-defined]
 
 
-CLASSES = (MORPHRETARGET_PG_joint, MORPHRETARGET_PG_contact, MORPHRETARGET_PG_rig, MORPHRETARGET_PG_scene)
+CLASSES = (
+    *morph.CLASSES,
+    MORPHRETARGET_PG_joint,
+    MORPHRETARGET_PG_contact,
+    MORPHRETARGET_PG_rig,
+    MORPHRETARGET_PG_scene,
+)
 
 
 def attach() -> None:
-    """Put the groups on scenes and objects."""
+    """Put the groups on scenes, objects and actions."""
+    morph.attach()
     rig = PointerProperty(type=MORPHRETARGET_PG_rig, name="Morph Retarget", override=_OVERRIDABLE)
     scene = PointerProperty(type=MORPHRETARGET_PG_scene, name="Morph Retarget")
     bpy.types.Object.morph_retarget = rig  # type: ignore[attr-defined]
@@ -302,3 +311,4 @@ def detach() -> None:
     """Take them off again."""
     del bpy.types.Scene.morph_retarget  # type: ignore[attr-defined]
     del bpy.types.Object.morph_retarget  # type: ignore[attr-defined]
+    morph.detach()

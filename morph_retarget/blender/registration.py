@@ -7,8 +7,17 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
+from .morph import cast, perform
+from .morph import properties as morph
 
 CLASSES = (*properties.CLASSES, *operators.CLASSES, *ui.CLASSES)
+
+_LISTENERS: tuple[tuple[list[Any], Any], ...] = (
+    (properties.listeners, live.refresh),
+    (morph.definition_listeners, perform.definition_changed),
+    (morph.character_listeners, perform.character_changed),
+)
+"""Who is told of which changes of settings."""
 
 _commands: list[Any] = []
 
@@ -22,7 +31,8 @@ def register(package: str | None) -> None:
     for cls in CLASSES:
         bpy.utils.register_class(cls)
     properties.attach()
-    properties.listeners.append(live.refresh)
+    for listeners, listener in _LISTENERS:
+        listeners.append(listener)
     presets.use(package or NAME)
     handlers.attach()
     _commands.append(bpy.utils.register_cli_command(NAME, main))
@@ -34,7 +44,10 @@ def unregister() -> None:
         bpy.utils.unregister_cli_command(_commands.pop())
     handlers.detach()
     live.forget()
-    properties.listeners.remove(live.refresh)
+    perform.forget()
+    cast.forget(rig=True)
+    for listeners, listener in _LISTENERS:
+        listeners.remove(listener)
     properties.detach()
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

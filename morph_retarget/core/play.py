@@ -57,6 +57,8 @@ class Played:
     pose: BodyPose
     """What came out, character frame."""
     deforms: Deforms
+    followed: Array | None
+    """Positions of all bodies that targets were taken from [m], character frame, shape (frame, body, 3)."""
 
 
 def prepare(character: Character, binding: Binding) -> Part:
@@ -82,7 +84,9 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Playe
         values: Of the action's channels.
         external: Target of each channel that has an external one [m], character frame, shapes (frame or 1, 3).
     """
-    goals, pose = _solved(part, values, external)
+    followed = _followed(part, values, external)
+    goals = _goals(part, values, external, followed)
+    pose = posing.solve(part.pose, goals)
     plan, skeleton = part.pose, part.character.skeleton
     to_local = part.character.local_to_character.inverse()
     bones = np.array(plan.driven, dtype=np.intp)
@@ -96,16 +100,21 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Playe
     rest = skeleton.rest_rotations[bones]
     basis = quat.multiply(quat.multiply(quat.conjugate(rest), quat.multiply(quat.conjugate(above), turns)), rest)
     shift = pose.shift @ to_local.rotation.T * to_local.scale
-    return Played(bones, basis, plan.root, shift, goals, pose, specialize.deforms_of(part.binding, values))
+    deforms = specialize.deforms_of(part.binding, values)
+    return Played(bones, basis, plan.root, shift, goals, pose, deforms, followed)
 
 
 def goals_at(part: Part, values: Values, external: Mapping[int, Array]) -> Goals:
     """Return where bodies shall be, without the pose that gets them there; arguments as for `evaluate`."""
-    posed = None if part.first is None else _solved(part.first, values, external)[1].positions
-    found = specialize.frames_of(part.binding, external, posed)
-    return specialize.goals_of(part.binding, values, found)
+    return _goals(part, values, external, _followed(part, values, external))
 
 
-def _solved(part: Part, values: Values, external: Mapping[int, Array]) -> tuple[Goals, BodyPose]:
-    goals = goals_at(part, values, external)
-    return goals, posing.solve(part.pose, goals)
+def _goals(part: Part, values: Values, external: Mapping[int, Array], followed: Array | None) -> Goals:
+    return specialize.goals_of(part.binding, values, specialize.frames_of(part.binding, external, followed))
+
+
+def _followed(part: Part, values: Values, external: Mapping[int, Array]) -> Array | None:
+    """Return where bodies that are targets are: where the channels that follow none of them bring them."""
+    if part.first is None:
+        return None
+    return posing.solve(part.first.pose, goals_at(part.first, values, external)).positions

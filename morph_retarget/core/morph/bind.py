@@ -67,6 +67,11 @@ class Binding:
         """Return the binding without what is posed relative to other bodies, as far as those depend on it."""
         return replace(self, entries=tuple(e for e in self.entries if e.target == NONE))
 
+    def untargeted(self) -> "Binding":
+        """Return the binding without what has a target of any kind."""
+        channels = self.action.channels
+        return replace(self, entries=tuple(e for e in self.entries if not channels[e.channel].has_target))
+
 
 @dataclass(frozen=True, eq=False)
 class Round:

@@ -8,14 +8,14 @@ from enum import StrEnum
 
 import numpy as np
 
-from ..arrays import Array, Flags
+from ..arrays import Array, Flags, Indices
 from ..character.morphology import Capability
 from .bodies import Bodies
 
 CENTER = 0.1
 """Half the width of the center zone, as a share of the bounds that it divides."""
 TIE = 1e-3
-"""Bodies that differ by less than this share of the character's size are equally far out."""
+"""Bodies that differ by less than this share of the character's size are equally far out, or side by side."""
 
 
 class Depth(StrEnum):
@@ -110,10 +110,11 @@ def select_each(context: Context, bodies: Bodies) -> tuple[tuple[int, int], ...]
         (context.height, context.height_space),
     )
     for axis, (zone, space) in zip((1, 0, 2), zones, strict=True):
-        keep &= _in_zone(zone.value, axis, places, *_bounds(space, bodies, places))
+        low, high = _bounds(space, bodies, places)
+        keep &= _in_zone(zone.value, axis, places, low, high, 0.5 * TIE * bodies.size)
     found = found[keep]
     if context.extent is not Extent.NONE and len(found):
-        found = found[[_farthest(context.extent, bodies, bodies.positions[found])]]
+        found = found[[_farthest(context.extent, bodies, found)]]
     segments = bodies.spine_segments
     walk_up = context.modifier is LimbModifier.SPINE_SEGMENT
     return tuple((int(body), int(segments[body]) if walk_up else int(body)) for body in found)
@@ -125,23 +126,27 @@ def _bounds(space: Space, bodies: Bodies, places: Array) -> tuple[Array, Array]:
     return places.min(axis=0), places.max(axis=0)
 
 
-def _in_zone(zone: str, axis: int, places: Array, low: Array, high: Array) -> Flags:
-    """Return whether each place lies in a zone; halves include the center zone."""
+def _in_zone(zone: str, axis: int, places: Array, low: Array, high: Array, least: float) -> Flags:
+    """Return whether each place lies in a zone; halves include the center zone, whose half width is ``least``."""
     if zone == "any":
         return np.ones(len(places), dtype=bool)
     from_middle = places[:, axis] - 0.5 * (low[axis] + high[axis])
-    half_width = CENTER * (high[axis] - low[axis]) + 1e-9
+    half_width = max(CENTER * (high[axis] - low[axis]), least)
     if zone == "center":
         return np.abs(from_middle) <= half_width
     _, way = _AXES[zone]
     return way * from_middle >= -half_width
 
 
-def _farthest(extent: Extent, bodies: Bodies, places: Array) -> int:
-    """Return which place lies farthest out; of equal ones the foremost, then the leftmost, the topmost, the first."""
+def _farthest(extent: Extent, bodies: Bodies, found: Indices) -> int:
+    """Return which of some bodies lies farthest out; of equal ones the foremost, leftmost, topmost, first by name."""
     axis, way = _AXES[extent.value.removesuffix("_most")]
+    places = bodies.positions[found]
     out = way * places[:, axis]
-    tied = np.flatnonzero(out >= out.max() - TIE * bodies.size)
-    steps = np.round(places[tied] / (TIE * bodies.size))
-    order = np.lexsort((tied, -steps[:, 2], -steps[:, 0], steps[:, 1]))
-    return int(tied[order[0]])
+    steps = np.round(places / (TIE * bodies.size)).tolist()
+
+    def order(i: int) -> tuple[float, float, float, str]:
+        left, back, up = steps[i]
+        return back, -left, -up, bodies.names[found[i]]
+
+    return min(np.flatnonzero(out >= out.max() - TIE * bodies.size).tolist(), key=order)

@@ -1,0 +1,182 @@
+"""The cast: armatures that play generalized actions, and how each action binds to each. Run-time state.
+
+What is found here is kept by Blender's session-wide number of the object and dropped on load, undo and redo, when a
+definition or a rig is edited, and when another action is assigned.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...core import play
+from ...core.character.character import Character
+from ...core.errors import MorphError
+from ...core.morph.bind import GeneralizedAction, bind
+from ...core.morph.bodies import Bodies
+from ...core.morph.channels import TargetKind
+from ...core.play import Part
+from .. import actions, collect
+from ..properties import of_rig
+from ..rig import Rig, pose_of
+from . import definitions
+from .properties import MORPHRETARGET_PG_values, of_action
+
+problems: dict[int, str] = {}
+"""Why an armature does not play its action, by session-wide number."""
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """One armature as it plays one action."""
+
+    rig: Rig
+    action: bpy.types.Action
+    definition: GeneralizedAction
+    part: Part
+    free: Part
+    """The same without what has targets, for others that follow this one's bodies."""
+
+    @property
+    def character(self) -> Character:
+        """What the armature is."""
+        return self.part.character
+
+    @property
+    def bodies(self) -> Bodies:
+        """Its bodies."""
+        return self.part.bodies
+
+
+_analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
+_members: dict[int, tuple[tuple[object, ...], Member]] = {}
+
+
+def action_of(ob: bpy.types.Object) -> bpy.types.Action | None:
+    """Return the generalized action that an armature plays: its own, else the topmost in its NLA strips."""
+    if ob.type != "ARMATURE" or ob.animation_data is None:
+        return None
+    own = ob.animation_data.action
+    if own is not None:
+        return own if definitions.is_generalized(own) else None
+    tracks = [track for track in ob.animation_data.nla_tracks if not track.mute]
+    strips = [strip.action for track in reversed(tracks) for strip in track.strips if not strip.mute]
+    return next((action for action in strips if definitions.is_generalized(action)), None)
+
+
+def performers(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """Return the armatures of a scene that play a generalized action."""
+    return [ob for ob in scene.objects if ob.type == "ARMATURE" and action_of(ob) is not None]
+
+
+def playing(scene: bpy.types.Scene, action: bpy.types.Action) -> list[bpy.types.Object]:
+    """Return the armatures of a scene that play ``action``."""
+    return [ob for ob in performers(scene) if action_of(ob) == action]
+
+
+def analysed(ob: bpy.types.Object) -> tuple[Rig, Character, Bodies]:
+    """Return what an armature is; found once and kept.
+
+    Raises:
+        MorphError: It cannot be analysed.
+    """
+    known = _analysed.get(ob.session_uid)
+    if known is None:
+        own, character = collect.target_of(ob)
+        known = _analysed[ob.session_uid] = (own, character, Bodies.of(character))
+    return known
+
+
+def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Member:
+    """Return how an armature plays its action, or another one.
+
+    Raises:
+        MorphError: The armature cannot be analysed, or the action cannot be read.
+    """
+    action = action or action_of(ob)
+    assert action is not None, "only performers are asked for"
+    own = of_rig(ob)
+    state = (action.session_uid, len(of_action(action).channels), own.variant)
+    known = _members.get(ob.session_uid)
+    if known is not None and known[0] == state:
+        return known[1]
+    rig, character, bodies = analysed(ob)
+    ensure_values(ob, action)
+    definition = definitions.read(action)
+    external = [c.has_target and c.target is TargetKind.EXTERNAL for c in definition.channels]
+    missing = {i for i, c in enumerate(definition.channels) if external[i] and not has_target(own.channels[c.name])}
+    binding = bind(definition, bodies, own.variant, missing)
+    found = Member(
+        rig,
+        action,
+        definition,
+        play.prepare(character, binding),
+        play.prepare(character, binding.untargeted()),
+    )
+    _members[ob.session_uid] = (state, found)
+    return found
+
+
+def has_target(values: MORPHRETARGET_PG_values) -> bool:
+    """Return whether a channel has an external target that exists."""
+    target = values.target
+    if target is None or target.name not in bpy.data.objects:
+        return False
+    if not values.target_bone:
+        return True
+    return target.type == "ARMATURE" and target.pose is not None and values.target_bone in target.pose.bones
+
+
+def ensure_values(ob: bpy.types.Object, action: bpy.types.Action) -> None:
+    """Give an armature a place for the values of each channel."""
+    own = of_rig(ob).channels
+    for item in of_action(action).channels:
+        if item.name not in own:
+            own.add().name = item.name
+
+
+def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
+    """Let an armature play a generalized action, through the slot that all others share.
+
+    Raises:
+        MorphError: It cannot be analysed.
+    """
+    analysed(ob)
+    ensure_values(ob, action)
+    slot = next((slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}), None)
+    if slot is None:
+        slot = action.slots.new(id_type="OBJECT", name="Characters")
+    actions.play(ob, action, slot)
+    for bone in pose_of(ob).bones:
+        bone.matrix_basis.identity()  # what an earlier action left behind
+    forget(ob)
+
+
+def remove(ob: bpy.types.Object) -> None:
+    """Let an armature play its generalized action no more; its values are kept."""
+    actions.assign(ob, None, None)
+    forget(ob)
+
+
+def tell(ob: bpy.types.Object) -> list[str]:
+    """Return what keeps an armature from playing all of its action, in words."""
+    problem = problems.get(ob.session_uid)
+    if problem is not None:
+        return [problem]
+    try:
+        return list(member(ob).part.binding.problems)
+    except MorphError as error:
+        return [str(error)]
+
+
+def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:
+    """Drop what is known about an armature, or about all; with ``rig`` what its bones were found to be as well."""
+    if ob is None:
+        _members.clear()
+        problems.clear()
+        if rig:
+            _analysed.clear()
+        return
+    _members.pop(ob.session_uid, None)
+    problems.pop(ob.session_uid, None)
+    if rig:
+        _analysed.pop(ob.session_uid, None)

@@ -1,0 +1,109 @@
+"""From a bone that the animator moves to generalized values, for all characters that play the action."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...core import quat
+from ...core.arrays import Array
+from ...core.morph import movement, specialize
+from ...core.morph.movement import Frames
+from ..properties import of_rig
+from . import pose
+from .cast import Member
+from .properties import of_action
+from .shown import Shown
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """A body that the animator has moved."""
+
+    ob: bpy.types.Object
+    member: Member
+    entry: int
+    """Who poses the body: its place among the entries of the binding."""
+    position: Array
+    """Generalized, shape (3,)."""
+    rotation: Array
+    """Generalized, shape (4,)."""
+    bones: tuple[str, ...]
+    """Bones that bring the body to its place, which are the animator's while they are held."""
+
+
+def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Mapping[int, Shown]) -> Held | None:
+    """Return the body whose bone has been moved since it was last shown, None when there is none."""
+    layer = bpy.context.view_layer
+    ob = layer.objects.active if layer is not None else None
+    if ob is None or ob.mode != "POSE" or ob.name not in scene.objects:
+        return None
+    before = shown.get(ob.session_uid)
+    bone = bpy.context.active_pose_bone
+    if before is None or bone is None or before.member.part.binding.action.name != before.member.action.name:
+        return None
+    entry = entry_for(before.member, bone.name)
+    if entry is None:
+        return None
+    member = before.member
+    now = pose.state(member.rig, list(before.state))
+    chain = _chain(member, entry)
+    place = {name: int(i) for name, i in zip(member.rig.skeleton.names, member.rig.pose_order, strict=True)}
+    if not any(pose.changed(before.state, now, place[name]) for name in chain):
+        return None
+    before.state = now
+    position, rotation = generalized(member, before, entry, ob.evaluated_get(graph))
+    return Held(ob, member, entry, position, rotation, chain)
+
+
+def entry_for(member: Member, bone: str) -> int | None:
+    """Return who poses a bone, the active channel first; None when no channel does."""
+    body = member.rig.skeleton.index.get(bone)
+    entries = member.part.binding.entries
+    own = [i for i, e in enumerate(entries) if e.body == body and (e.position or e.rotation)]
+    active = of_action(member.action).active_channel
+    return next((i for i in own if entries[i].channel == active), own[0] if own else None)
+
+
+def _chain(member: Member, entry: int) -> tuple[str, ...]:
+    """Return the body of an entry and the bones that bring it to its place."""
+    body = member.part.binding.entries[entry].body
+    joints = [joint for step in member.part.pose.steps if step.body == body for joint in step.joints]
+    return tuple(member.rig.skeleton.names[b] for b in (*joints, body))
+
+
+def frames_now(member: Member, shown: Shown) -> Frames:
+    """Return the frames in which the entries of a member move at the moment."""
+    return specialize.frames_of(member.part.binding, shown.targets, shown.played.followed)
+
+
+def generalized(member: Member, shown: Shown, entry: int, seen: bpy.types.Object) -> tuple[Array, Array]:
+    """Return the generalized values of an entry for where its bone is, as seen on an evaluated object."""
+    binding = member.part.binding
+    body = binding.entries[entry].body
+    head, turned = pose.matrix_of(seen, member.rig.skeleton.names[body])
+    place = member.character.local_to_character
+    turn = quat.multiply(turned, quat.conjugate(member.rig.skeleton.rest_rotations[body]))
+    position = place.points(head)
+    rotation = quat.multiply(place.turns(turn), binding.bodies.axes[body])
+    count = len(binding.entries)
+    positions, rotations = np.tile(position, (1, count, 1)), np.tile(rotation, (1, count, 1))
+    found_positions, found_rotations = movement.generalize(frames_now(member, shown), positions, rotations)
+    return found_positions[0, entry], found_rotations[0, entry]
+
+
+def give(held: Held, characters: Sequence[bpy.types.Object]) -> None:
+    """Give all characters of an action the values of a body that is held."""
+    entry = held.member.part.binding.entries[held.entry]
+    name = held.member.definition.channels[entry.channel].name
+    for ob in characters:
+        item = of_rig(ob).channels.get(name)
+        if item is not None:
+            if entry.position:
+                item.position = held.position.tolist()
+            if entry.rotation:
+                item.rotation = quat.multiply(
+                    held.rotation, quat.IDENTITY * (1.0 if held.rotation @ np.array(item.rotation) >= 0.0 else -1.0)
+                ).tolist()
+    of_rig(held.ob).channels[name].active_body = held.member.rig.skeleton.names[entry.body]

@@ -1,0 +1,127 @@
+"""Showing generalized actions while frames change and while anything is edited.
+
+What is shown depends on the values and targets of the moment alone. A character is posed anew only when these have
+changed. An animator's own hand on a bone of the active channel is taken for its new pose: it is generalized, and all
+other bodies and characters follow (Hecker 2008 §3.2.1).
+"""
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+
+from ...core import play
+from ...core.arrays import Array
+from ...core.errors import MorphError
+from ...core.morph.channels import Values
+from ..properties import of_rig
+from . import cast, deforms, generalize, pose, stage
+from .generalize import Held
+from .shown import Shown
+
+_shown: dict[int, Shown] = {}
+_busy: list[bool] = []
+
+
+def shown(ob: bpy.types.Object) -> Shown | None:
+    """Return what a character shows, None when it has not been shown yet."""
+    return _shown.get(ob.session_uid)
+
+
+def show_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
+    """Put all characters of a scene in the pose of its present frame."""
+    if _busy:
+        return
+    graph = graph or bpy.context.evaluated_depsgraph_get()
+    _show(cast.performers(scene), graph, anew=True)
+
+
+def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
+    """Let all characters follow an edit: of a value, a curve, a target, or the pose of a bone."""
+    if _busy:
+        return
+    found = cast.performers(scene)
+    if not found:
+        return
+    for ob in found:
+        _drop_edited(ob, graph)
+    held = generalize.posed_by_hand(scene, graph, _shown)
+    if held is not None:
+        generalize.give(held, cast.playing(scene, held.member.action))
+    _show(found, graph, anew=False, held=held)
+
+
+def forget(ob: bpy.types.Object | None = None) -> None:
+    """Drop what is shown; it is made anew when it is next needed."""
+    if ob is None:
+        _shown.clear()
+    else:
+        _shown.pop(ob.session_uid, None)
+
+
+def definition_changed(action: bpy.types.ID) -> None:
+    """Let the characters of an action follow a change of its definitions, with Blender's next update."""
+    cast.forget()
+    for scene in bpy.data.scenes:
+        for ob in cast.performers(scene):
+            if cast.action_of(ob) == action:
+                character_changed(ob)
+
+
+def character_changed(ob: bpy.types.ID) -> None:
+    """Let a character follow a change of its own settings, with Blender's next update."""
+    assert isinstance(ob, bpy.types.Object), "settings of characters are on objects"
+    cast.forget(ob)
+    forget(ob)
+    ob.update_tag(refresh={"OBJECT"})
+
+
+def _drop_edited(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> None:
+    """Forget what a rig was found to be if its bones have been edited."""
+    for change in graph.updates:
+        if change.is_updated_geometry and change.id is not None and change.id.original == ob.data and ob.mode != "POSE":
+            cast.forget(ob, rig=True)
+            forget(ob)
+
+
+def _show(
+    found: list[bpy.types.Object],
+    graph: bpy.types.Depsgraph,
+    anew: bool,
+    held: Held | None = None,
+) -> None:
+    _busy.append(True)
+    try:
+        for ob in found:
+            if of_rig(ob).muted:
+                continue
+            try:
+                _show_one(ob, graph, anew, held)
+            except MorphError as error:
+                cast.problems[ob.session_uid] = str(error)
+                forget(ob)
+            else:
+                cast.problems.pop(ob.session_uid, None)
+    finally:
+        _busy.clear()
+
+
+def _show_one(ob: bpy.types.Object, graph: bpy.types.Depsgraph, anew: bool, held: Held | None) -> None:
+    member = cast.member(ob)
+    # While something is edited, the evaluated copy may be older than what was just written.
+    source = ob if held is not None else ob.evaluated_get(graph)
+    values, targets = stage.values_of(member, source), stage.targets_of(member, ob, graph)
+    inputs = _inputs(values, targets)
+    before = _shown.get(ob.session_uid)
+    if before is not None and before.member is member and before.inputs == inputs and not anew:
+        return
+    played = play.evaluate(member.part, values, targets)
+    hands_off = held.bones if held is not None and held.ob == ob else ()
+    state = pose.show(member.rig, played, hands_off)
+    deforms.show(member, played)
+    _shown[ob.session_uid] = Shown(member, inputs, values, targets, played, state)
+
+
+def _inputs(values: Values, targets: Mapping[int, Array]) -> bytes:
+    parts = [values.positions, values.rotations, values.weights, *values.deforms.values(), *targets.values()]
+    return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)

@@ -1,0 +1,86 @@
+"""Reading what characters are told at a moment: values of channels and places of targets."""
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+
+from ...core import play, quat
+from ...core.arrays import Array
+from ...core.errors import MorphError
+from ...core.morph.channels import TargetKind, Values
+from ..properties import of_rig
+from ..rig import pose_of
+from . import cast
+from .cast import Member
+
+
+def values_of(member: Member, ob: bpy.types.Object) -> Values:
+    """Return the values of all channels as they are on an object, original or evaluated; a batch of one frame."""
+    items = of_rig(ob).channels
+    count = len(items)
+    place = {item.name: i for i, item in enumerate(items)}
+    rows = [place[c.name] for c in member.definition.channels]
+    positions, rotations = np.empty(count * 3, dtype=np.float32), np.empty(count * 4, dtype=np.float32)
+    weights = np.empty(count, dtype=np.float32)
+    items.foreach_get("position", positions)
+    items.foreach_get("rotation", rotations)
+    items.foreach_get("weight", weights)
+    deforms = {
+        (i, deform.name): np.array([deform.value], dtype=np.float64)
+        for i, row in enumerate(rows)
+        for deform in items[row].deforms
+    }
+    return Values(
+        positions.astype(np.float64).reshape(1, count, 3)[:, rows],
+        quat.normalize(rotations.astype(np.float64).reshape(1, count, 4)[:, rows]),
+        weights.astype(np.float64).reshape(1, count)[:, rows],
+        deforms,
+    )
+
+
+def targets_of(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Mapping[int, Array]:
+    """Return where the external targets of a character are, by channel [m], character frame, shapes (1, 3)."""
+    out: dict[int, Array] = {}
+    items = of_rig(ob).channels
+    for i, channel in enumerate(member.definition.channels):
+        if channel.has_target and channel.target is TargetKind.EXTERNAL:
+            item = items[channel.name]
+            if cast.has_target(item):
+                world = place_of(item.target, item.target_bone, graph)
+                out[i] = to_character(member, ob.evaluated_get(graph), world)[None]
+    return out
+
+
+def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) -> Array:
+    """Return where an object or one of its bones is [m], world space, shape (3,).
+
+    A bone of a character that plays a generalized action is where that character's own movements bring it, those
+    with targets left aside: two that reach for each other would otherwise chase each other.
+    """
+    seen = target.evaluated_get(graph)
+    if not bone:
+        return np.array(seen.matrix_world.translation, dtype=np.float64)
+    if cast.action_of(target) is not None and not of_rig(target).muted:
+        try:
+            other = cast.member(target)
+        except MorphError:
+            pass  # it is told where that character is drawn; here its pose counts as it is
+        else:
+            played = play.evaluate(other.free, values_of(other, seen), {})
+            body = other.rig.skeleton.index[bone]
+            local = other.character.local_to_character.inverse().points(played.pose.positions[0, body])
+            return to_world(seen, local)
+    return to_world(seen, np.array(pose_of(seen).bones[bone].head, dtype=np.float64))
+
+
+def to_world(ob: bpy.types.Object, local: Array) -> Array:
+    """Return a point of an object's own space in the world, shape (3,)."""
+    matrix = np.array(ob.matrix_world, dtype=np.float64)
+    return matrix[:3, :3] @ local + matrix[:3, 3]
+
+
+def to_character(member: Member, ob: bpy.types.Object, world: Array) -> Array:
+    """Return a point of the world in the frame of a character, which goes where its object goes, shape (3,)."""
+    matrix = np.linalg.inv(np.array(ob.matrix_world, dtype=np.float64))
+    return member.character.local_to_character.points(matrix[:3, :3] @ world + matrix[:3, 3])
