@@ -1,10 +1,12 @@
-"""Makes `sample_blends/`: a clip and a character of our own, small enough to be committed.
+"""Makes `sample_blends/`: a clip and characters of our own, small enough to be committed.
 
 Run it with the Python of an environment that has Blender: ``.venv/blender-4.5/bin/python -m tools.make_samples``. The
 oldest Blender that is supported writes the files, so that all others can read them.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -13,21 +15,36 @@ import numpy as np
 from morph_retarget.blender import rig
 from morph_retarget.blender.io.save import Outbox
 
-from . import armatures, bodies, gait
+from . import armatures, bodies, creatures, gait
+from .bodies import Color
 from .figure import CHIBI, Bone, Build, blender, humanoid, spaced
+from .flesh import Paint, Part
 
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_blends"
 FPS = 30
 FRAMES = 181
+COLORS: dict[str, dict[Paint, Color]] = {
+    "biped": {Paint.SKIN: (0.8, 0.48, 0.33), Paint.PALE: (0.1, 0.13, 0.22), Paint.CLOTH: (0.75, 0.32, 0.08)},
+    "hound": {Paint.SKIN: (0.5, 0.28, 0.12), Paint.PALE: (0.8, 0.66, 0.48)},
+    "beetle": {Paint.SKIN: (0.62, 0.07, 0.05), Paint.PALE: (0.6, 0.45, 0.22)},
+    "bird": {Paint.SKIN: (0.12, 0.32, 0.7), Paint.PALE: (0.95, 0.48, 0.05)},
+    "snake": {Paint.SKIN: (0.2, 0.42, 0.1), Paint.PALE: (0.62, 0.6, 0.16)},
+    "asura": {Paint.SKIN: (0.5, 0.2, 0.45), Paint.PALE: (0.85, 0.6, 0.2), Paint.CLOTH: (0.85, 0.45, 0.12)},
+    "lopside": {Paint.SKIN: (0.36, 0.44, 0.34), Paint.PALE: (0.55, 0.62, 0.42)},
+}
+"""What each creature is painted with."""
 
 
 def main() -> None:
     """Write all samples."""
-    SAMPLES.mkdir(exist_ok=True)
+    (SAMPLES / "characters").mkdir(parents=True, exist_ok=True)
+    made: dict[str, Callable[[], bpy.types.Object]] = {"walk_and_wave.bvh": _clip, "sprout.blend": _sprout}
+    for name, figure in creatures.CREATURES.items():
+        made[f"characters/{name}.blend"] = partial(_character, name, figure)
     with Outbox() as outbox:
-        for path, make in (("walk_and_wave.bvh", _clip), ("sprout.blend", _sprout)):
+        for path, make in made.items():
             outbox.rigs(SAMPLES / path, [make()])
-    print(*sorted(p.name for p in SAMPLES.iterdir()), sep="\n")
+    print(*made, sep="\n")
 
 
 def _clip() -> bpy.types.Object:
@@ -61,6 +78,15 @@ def _sprout() -> bpy.types.Object:
         above, start = bones[-1].name, end
     ob = armatures.build("Sprout", bones, np.random.default_rng(7))
     bodies.clothe(ob, (0.25, 0.55, 0.3), 0.34)
+    return ob
+
+
+def _character(name: str, figure: Callable[[], Sequence[Part]]) -> bpy.types.Object:
+    """Return a creature in its own colors, bones rolled at random."""
+    _empty(name.capitalize())
+    parts = figure()
+    ob = armatures.build(name.capitalize(), parts, np.random.default_rng(7))
+    bodies.dress(ob, parts, COLORS[name])
     return ob
 
 
