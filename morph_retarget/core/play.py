@@ -7,10 +7,11 @@ Channels whose targets are bodies of the same character are specialized last, wh
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from . import quat
+from . import quat, rotation
 from .arrays import Array, Indices
 from .character.character import Character
 from .character.morphology import Capability
@@ -38,6 +39,23 @@ class Part:
     def bodies(self) -> Bodies:
         """Of the character."""
         return self.binding.bodies
+
+    @cached_property
+    def rest_frames(self) -> Array:
+        """Rest frames of the turned bones in the character frame (mirrored if the armature is), shape (n, 3, 3)."""
+        rest = self.character.skeleton.rest_rotations[list(self.pose.driven)]
+        return self.character.local_to_character.rotation @ quat.to_matrix(rest)
+
+    def carried(self, pose: BodyPose) -> Array:
+        """Return how the parents of the turned bones are turned, as far as these take it over, (frame, n, 3, 3)."""
+        skeleton, bones = self.character.skeleton, list(self.pose.driven)
+        parents = skeleton.parents[bones]
+        alone = parents < 0
+        if skeleton.inherits is not None:
+            alone |= ~skeleton.inherits[bones]
+        out = pose.rotations[:, self.pose.led_by[np.where(alone, 0, parents)]]
+        out[:, alone] = np.eye(3)
+        return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,18 +105,13 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Playe
     followed = _followed(part, values, external)
     goals = _goals(part, values, external, followed)
     pose = posing.solve(part.pose, goals)
-    plan, skeleton = part.pose, part.character.skeleton
-    to_local = part.character.local_to_character.inverse()
+    plan = part.pose
     bones = np.array(plan.driven, dtype=np.intp)
-    turns = to_local.turns(pose.turns[:, bones])
-    parents = skeleton.parents[bones]
-    alone = parents < 0
-    if skeleton.inherits is not None:
-        alone |= ~skeleton.inherits[bones]
-    above = to_local.turns(pose.turns[:, np.where(alone, 0, parents)])
-    above[:, alone] = quat.IDENTITY
-    rest = skeleton.rest_rotations[bones]
-    basis = quat.multiply(quat.multiply(quat.conjugate(rest), quat.multiply(quat.conjugate(above), turns)), rest)
+    turns = pose.rotations[:, plan.led_by[bones]]
+    above = part.carried(pose)
+    # A basis rotation is what a bone turns beyond its parent, seen in its own rest frame.
+    basis = quat.from_matrix(rotation.transposed(above @ part.rest_frames) @ turns @ part.rest_frames)
+    to_local = part.character.local_to_character.inverse()
     shift = pose.shift @ to_local.rotation.T * to_local.scale
     deforms = specialize.deforms_of(part.binding, values)
     return Played(bones, basis, plan.root, shift, goals, pose, deforms, followed)

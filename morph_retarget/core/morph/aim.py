@@ -36,6 +36,8 @@ class Aims:
     """Bodies that look at a target, shape (looking,)."""
     forwards: Array
     """Where these look at rest, unit vectors, shape (looking, 3)."""
+    eyes: Array
+    """Their rest positions [m], shape (looking, 3)."""
 
     def turned(self, targets: Array, axes: Array, scale: Array) -> tuple[Array, Array]:
         """Return axes and scales of all bodies with those of the aimed ones turned and stretched toward targets.
@@ -65,10 +67,15 @@ class Aims:
         return axes, scale
 
     def gaze(self, targets: Array) -> "Gaze | None":
-        """Return what looks at the targets, None when nothing does."""
+        """Return what looks at the targets, None when nothing does.
+
+        The direction is taken from where a body rests in its character, as the axes are: what a channel keys does not
+        change its own frame, so that keys can be moved to other frames exactly.
+        """
         if not len(self.looking):
             return None
-        return Gaze(self.looking, self.forwards, targets[:, self.looking], self.tiny)
+        away = targets[:, self.looking] - self.eyes
+        return Gaze(self.looking, quat.from_rotation_vector(toward(self.forwards, away, self.tiny)))
 
 
 def _smooth(t: Array) -> Array:
@@ -83,19 +90,15 @@ class Gaze:
 
     rows: Indices
     """The bodies that look."""
-    forwards: Array
-    """Where they look at rest, unit vectors, shape (looking, 3)."""
-    targets: Array
-    """[m], character frame, shape (frame, looking, 3)."""
-    tiny: float
-    """A target nearer than this [m] is gradually not looked at."""
+    turns: Array
+    """By which they turn, shape (frame, looking, 4)."""
 
-    def applied(self, turned: Array, places: Array, way: float) -> Array:
-        """Return orientations turned toward the targets, as seen from ``places``, or (``way`` = -1) turned back."""
-        away = self.targets - places[:, self.rows]
-        turn = quat.from_rotation_vector(way * toward(self.forwards, away, self.tiny))
-        out = np.broadcast_to(turned, (len(turn), *turned.shape[1:])).copy()
-        out[:, self.rows] = quat.multiply(turn, out[:, self.rows])
+    def applied(self, turned: Array, back: bool = False) -> Array:
+        """Return orientations turned toward the targets, or turned back, shape (frame, body, 4)."""
+        turns = quat.conjugate(self.turns) if back else self.turns
+        count = max(len(turns), len(turned))
+        out = np.broadcast_to(turned, (count, *turned.shape[1:])).copy()
+        out[:, self.rows] = quat.multiply(turns, out[:, self.rows])
         return out
 
 

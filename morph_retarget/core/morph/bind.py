@@ -63,6 +63,11 @@ class Binding:
         """What evaluation needs of it, as arrays."""
         return Plan(self)
 
+    def target_of(self, channel: Channel, body: int) -> int | None:
+        """Return the body that a channel's body moves relative to, None where there is none."""
+        found = _target(channel, body, self.action.channels, self.selected, self.bodies)
+        return None if found == NONE else found
+
     def without_followers(self) -> "Binding":
         """Return the binding without what is posed relative to other bodies, as far as those depend on it."""
         return replace(self, entries=tuple(e for e in self.entries if e.target == NONE))
@@ -154,12 +159,14 @@ def bind(
     variants, leads = _variants(channels, groups, found, bodies, problems)
     variant %= max(len(variants), 1)
     chosen = dict(zip(leads, variants[variant], strict=True)) if variants else {}
-    for lead, body in chosen.items():
-        for member in groups[lead]:
-            found[member] = _covary(found[lead], found[member], body)
+    for lead, members in groups.items():
+        leading = found[lead]
+        for member in members:
+            found[member] = _covary(leading, found[member], chosen[lead]) if lead in chosen else ()
     selected = [tuple(dict.fromkeys(body for _, body in pairs)) for pairs in found]
-    for channel, own in zip(channels, selected, strict=True):
-        if not own:
+    unfit = {member for lead in leads if lead not in chosen for member in groups[lead]}
+    for i, channel in enumerate(channels):
+        if not selected[i] and i not in unfit:
             problems.append(f"channel {channel.name!r} selects nothing on this character: change its context")
     turned = _variant_is_mirrored(channels, selected, leads, bodies)
     playable = _playable(channels, selected, missing, problems)
@@ -294,4 +301,5 @@ def _target(
     if not others:
         return None
     away = quat.length(bodies.positions[others] - bodies.positions[body])
-    return others[int(np.argmin(np.round(away / (TIE * bodies.size))))]
+    steps: list[float] = np.round(away / (TIE * bodies.size)).tolist()
+    return min(zip(steps, [bodies.names[b] for b in others], others, strict=True))[2]

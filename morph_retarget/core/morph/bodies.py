@@ -137,14 +137,21 @@ def _tags(character: Character) -> list[frozenset[Capability]]:
 
     Rigs often have bones above the hips that only carry them; the body's root is the first that is of the body.
     """
-    names = character.skeleton.names
-    tags = [frozenset(character.capabilities.get(name, ())) for name in names]
-    hips, tagged = character.bone("hips"), [bone for bone, own in enumerate(tags) if Capability.ROOT in own]
-    of_body = [bone for bone in tagged if Capability.SPINE in tags[bone]]
-    root = hips if hips is not None else [*of_body, *character.spine, *tagged, 0][0]
+    skeleton = character.skeleton
+    tags = [frozenset(character.capabilities.get(name, ())) for name in skeleton.names]
+    root = _root(character, tags)
     tags = [own - {Capability.ROOT} for own in tags]
-    tags[root] |= {Capability.ROOT, Capability.SPINE}
+    tags[root] |= {Capability.ROOT} if Capability.HEAD in tags[root] else {Capability.ROOT, Capability.SPINE}
     return tags
+
+
+def _root(character: Character, tags: Sequence[frozenset[Capability]]) -> int:
+    """Return the root body: the hips of what has legs, else the topmost bone that is of the body at all."""
+    hips, tree = character.bone("hips"), character.skeleton.tree
+    if hips is not None and character.legs:
+        return hips
+    of_body = [bone for bone, own in enumerate(tags) if own - {Capability.ROOT}]
+    return min(of_body or tree.roots, key=lambda bone: len(tree.ancestors[bone]))
 
 
 def _ahead(

@@ -143,10 +143,10 @@ def _farthest(extent: Extent, bodies: Bodies, found: Indices) -> int:
     axis, way = _AXES[extent.value.removesuffix("_most")]
     places = bodies.positions[found]
     out = way * places[:, axis]
-    steps = np.round(places / (TIE * bodies.size)).tolist()
+    steps: list[list[float]] = np.round(places / (TIE * bodies.size)).tolist()
 
     def order(i: int) -> tuple[float, float, float, str]:
         left, back, up = steps[i]
-        return back, -left, -up, bodies.names[found[i]]
+        return back, -left, -up, bodies.names[int(found[i])]
 
     return min(np.flatnonzero(out >= out.max() - TIE * bodies.size).tolist(), key=order)

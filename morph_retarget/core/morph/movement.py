@@ -147,6 +147,7 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
         np.array([m.ground_relative for m in modes], dtype=bool)[aimed],
         looking,
         bodies.forwards[chosen[looking]],
+        bodies.positions[chosen[looking]],
     )
     absolute = np.array([m.rotation is RotationMode.ABSOLUTE for m in modes], dtype=bool)
     base = np.where(absolute[:, None], quat.IDENTITY, bodies.axes[chosen])
@@ -207,7 +208,7 @@ def specialize(found: Frames, positions: Array, rotations: Array) -> tuple[Array
     scaled[..., 2] *= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
     places = found.origin + np.einsum("...ij,...j->...i", found.axes, scaled)
     turned = quat.multiply(reflected(rotations, found.mirrored), found.base)
-    return places, turned if found.gaze is None else found.gaze.applied(turned, places, 1.0)
+    return places, turned if found.gaze is None else found.gaze.applied(turned)
 
 
 def generalize(found: Frames, places: Array, turned: Array) -> tuple[Array, Array]:
@@ -216,6 +217,6 @@ def generalize(found: Frames, places: Array, turned: Array) -> tuple[Array, Arra
     positions = scaled / found.scale
     positions[..., 2] /= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
     if found.gaze is not None:
-        turned = found.gaze.applied(turned, places, -1.0)
+        turned = found.gaze.applied(turned, back=True)
     rotations = reflected(quat.multiply(turned, quat.conjugate(found.base)), found.mirrored)
     return positions, rotations

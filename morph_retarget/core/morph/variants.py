@@ -8,6 +8,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
+import numpy as np
+
+from .. import quat
+from ..arrays import Array
 from .channels import SideConstraint
 
 
@@ -44,3 +48,17 @@ def _fits(constraint: SideConstraint, first: int, other: int) -> bool:
     if constraint is SideConstraint.SAME:
         return first == other
     return constraint is SideConstraint.ANY or first * other < 0
+
+
+def nearest(places: Array, targets: Array, same: float) -> int:
+    """Return the variant whose bodies have the shortest way to their targets, all ways added up.
+
+    Args:
+        places: Rest positions of the bodies that move relative to targets [m], shape (variant, body, 3); NaN where a
+            variant lacks a body that others have, which makes it the last to be chosen.
+        targets: Where their targets are [m], same shape.
+        same: Ways that differ by less are equally long [m]; of equal ones the first variant is taken.
+    """
+    ways = quat.length(targets - places).sum(axis=-1)
+    ways = np.where(np.isnan(ways), np.inf, ways)
+    return int(np.flatnonzero(ways <= ways.min() + same)[0])

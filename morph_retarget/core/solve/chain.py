@@ -7,11 +7,13 @@ one batch.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
+from .. import quat, rotation
+from ..arrays import Array, Flags, Indices
+from ..rotation import Hinges
 
 STRAIGHT = np.radians(3.0)
 """A joint that bends less than this at rest bends the way of the chain's hint."""
@@ -19,7 +21,12 @@ CURL = 0.85 * np.pi
 """Most that one joint bends [rad]."""
 CURL_IN_ALL = 1.6 * np.pi
 """Most that all joints of a chain bend together [rad]."""
-SAMPLES = 129
+SAMPLES = 65
+"""Bends of a table from rest to straight, and from rest to curled up."""
+MOST_STEPS = 4 * SAMPLES
+"""The same where joints wait for each other."""
+WAITING = 0.05
+"""A joint waits more and more when it helps less than this share of what the most helpful one does."""
 SOFT = 0.97
 """Share of a chain's length from which on it slows down toward goals that it cannot reach …"""
 FIRM = 0.999
@@ -39,7 +46,12 @@ class Chain:
     distances: Array
     """From the first joint to the end for each bend [m], falling, shape (bend,)."""
 
-    @property
+    @cached_property
+    def hinges(self) -> Hinges:
+        """What the joints turn about."""
+        return Hinges(self.axes)
+
+    @cached_property
     def rest_distance(self) -> float:
         """From the first joint to the end at rest [m]."""
         return float(np.linalg.norm(self.segments.sum(axis=0)))
@@ -65,13 +77,13 @@ class Chain:
         bent = angles > STRAIGHT
         axes[bent] = quat.unit(vectors[bent[1:]])
         most = min(CURL, CURL_IN_ALL / max(count - 1, 1))
-        bends = np.linspace(-1.0, 1.0, SAMPLES)[:, None]
-        open_up, curl_up = angles * bends, np.maximum(most - angles, 0.0) * bends
-        extra = np.where(bends < 0.0, open_up, curl_up)
-        extra[:, 0] = 0.0
-        ends = _ends(segments, axes, extra)[1]
-        distances = np.minimum.accumulate(quat.length(ends) - 1e-12 * np.arange(SAMPLES))
-        return cls(segments, axes, extra, distances)
+        curl = np.maximum(most - angles, 0.0)
+        curl[0] = 0.0
+        opened, curled = _bends(segments, axes, -angles, bent), _bends(segments, axes, curl, bent)
+        extra = np.concatenate([opened[:0:-1], curled])
+        distances = quat.length(_ends(segments, axes, extra)[1])
+        kept = _falling(distances, len(opened) - 1)
+        return cls(segments, axes, extra[kept], distances[kept])
 
     def reach(self, goals: Array) -> tuple[Array, Array]:
         """Return how each joint turns from rest to bring the end to a goal, and where the end comes to lie.
@@ -80,19 +92,25 @@ class Chain:
             goals: From the first joint [m], in its rest frame, shape (frame, 3).
 
         Returns:
-            Turns, shape (frame, joint, 4), and ends [m], shape (frame, 3).
+            Rotation matrices, shape (frame, joint, 3, 3), and ends [m], shape (frame, 3).
         """
         away = quat.length(goals)
         distance = self._reachable(away)
         # np.interp wants rising abscissae.
-        places = np.interp(-distance, -self.distances, np.arange(SAMPLES, dtype=np.float64))
-        low = np.minimum(places.astype(np.intp), SAMPLES - 2)
+        last = len(self.distances) - 1
+        places = np.interp(-distance, -self.distances, np.arange(last + 1, dtype=np.float64))
+        low = np.clip(places.astype(np.intp), 0, max(last - 1, 0))
         part = (places - low)[:, None]
-        extra = (1.0 - part) * self.extra[low] + part * self.extra[low + 1]
-        turns, ends = _ends(self.segments, self.axes, extra)
-        direction = np.where(away[:, None] > 1e-9, goals, ends)
-        aim = quat.between(ends, direction)
-        return quat.multiply(aim[:, None], turns), quat.rotate(aim, ends)
+        extra = (1.0 - part) * self.extra[low] + part * self.extra[np.minimum(low + 1, last)]
+        own = self.hinges.turned(extra)
+        turns = np.empty_like(own)
+        turns[:, 0] = own[:, 0]
+        ends = rotation.apply(turns[:, 0], self.segments[0])
+        for joint in range(1, len(self.segments)):
+            np.matmul(turns[:, joint - 1], own[:, joint], out=turns[:, joint])
+            ends = ends + rotation.apply(turns[:, joint], self.segments[joint])
+        aim = rotation.between(ends, np.where(away[:, None] > 1e-9, goals, ends))
+        return np.matmul(aim[:, None], turns), rotation.apply(aim, ends)
 
     def _reachable(self, away: Array) -> Array:
         """Return distances within reach: those near the chain's length are approached ever more slowly."""
@@ -101,6 +119,52 @@ class Chain:
         room = max(FIRM * full - soft, 1e-9 * max(full, 1e-9))
         beyond = np.maximum(away - soft, 0.0)
         return np.where(away > soft, soft + room * (1.0 - np.exp(-beyond / room)), away)
+
+
+def _bends(segments: Array, axes: Array, most: Array, bent: Flags) -> Array:
+    """Return angles by which the joints turn from rest on, until they have turned by ``most``, shape (bend, joint).
+
+    All turn in proportion, as long as that shortens the chain (or lengthens it, when they open). In chains that are
+    bent one way and the other it may not; then the joints that hinder wait.
+    """
+    way = 1.0 if most.sum() > 0.0 else -1.0
+    extra = np.linspace(0.0, 1.0, SAMPLES)[:, None] * most
+    if not bent.any() or (way * np.diff(quat.length(_ends(segments, axes, extra)[1])) <= 0.0).all():
+        return extra
+    rows, step = [extra[0]], extra[1]
+    for _ in range(MOST_STEPS):
+        turns, ends = _ends(segments, axes, rows[-1][None])
+        arms = np.cumsum(quat.rotate(turns[0], segments)[::-1], axis=0)[::-1]
+        helps = -quat.dot(quat.cross(quat.rotate(turns[0], axes), arms), np.broadcast_to(ends[0], arms.shape))
+        helps[0] = 0.0
+        share = np.clip(helps / max(WAITING * float(helps.max()), 1e-9 * float(quat.dot(ends, ends)[0])), 0.0, 1.0)
+        share[~bent & (np.abs(rows[-1]) < STRAIGHT)] = 1.0
+        row = rows[-1] + share * step
+        row = np.minimum(row, most) if way > 0.0 else np.maximum(row, most)
+        if np.abs(row - rows[-1]).max() < 1e-3 * np.abs(step).max():
+            break
+        rows.append(row)
+    return np.array(rows)
+
+
+def _falling(distances: Array, rest: int) -> Indices:
+    """Return the bends, from the straightest to the most curled, between which a chain only shortens; rest is one.
+
+    A chain gets longer again when it curls up beyond itself; and it first gets straight when it stands a little bent
+    against its hint. Bends between which it would snap are left out.
+    """
+    kept = [rest]
+    for bend in range(rest - 1, -1, -1):
+        if distances[bend] > distances[kept[0]]:
+            kept.insert(0, bend)
+    for bend in range(rest + 1, len(distances)):
+        if distances[bend] < distances[kept[-1]]:
+            kept.append(bend)
+        elif kept[-1] > rest:
+            # The shortest lies on either side of the last bend.
+            kept.pop()
+            break
+    return np.array(kept, dtype=np.intp)
 
 
 def _ends(segments: Array, axes: Array, extra: Array) -> tuple[Array, Array]:

@@ -7,10 +7,11 @@ limb, the trunk or the neck. What has no goal is carried along. The pose depends
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from .. import quat
+from .. import quat, rotation
 from ..arrays import Array, Indices
 from ..character.character import Character
 from ..character.morphology import Capability, LimbKind
@@ -24,12 +25,25 @@ NONE = -1
 class BodyPose:
     """A character's pose over a clip, character frame."""
 
-    turns: Array
-    """Turn of each body from its rest, shape (frame, body, 4)."""
-    positions: Array
-    """Of the bodies' joints [m], shape (frame, body, 3)."""
+    rotations: Array
+    """Turn of each leader of the plan from its rest, as matrices, shape (frame, leader, 3, 3)."""
+    places: Array
+    """Of the leaders' joints [m], shape (frame, leader, 3)."""
     shift: Array
     """How far the root moved from where its parents hold it [m], shape (frame, 3)."""
+    plan: "Plan"
+
+    @cached_property
+    def turns(self) -> Array:
+        """Turn of each body from its rest, shape (frame, body, 4)."""
+        return quat.from_matrix(self.rotations)[:, self.plan.led_by]
+
+    @cached_property
+    def positions(self) -> Array:
+        """Of the bodies' joints [m], shape (frame, body, 3)."""
+        plan = self.plan
+        away = rotation.apply(self.rotations[:, plan.led_by], plan.rest - plan.rest[plan.leaders])
+        return self.places[:, plan.led_by] + away
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +78,19 @@ class Plan:
     """Bodies that the goals turn, from the root outward; the others are carried along."""
     unreachable: tuple[int, ...]
     """Bodies whose place cannot be changed: they are fixed to what carries them, or another goal has its joints."""
+
+    @cached_property
+    def led_by(self) -> Indices:
+        """For each body the place of its leader in `order`, shape (body,)."""
+        place = np.empty(len(self.rest), dtype=np.intp)
+        place[list(self.order)] = np.arange(len(self.order))
+        return place[self.leaders]
+
+    @cached_property
+    def above(self) -> dict[int, int]:
+        """For each leader the one that carries it, NONE for roots."""
+        parents = {leader: int(self.parents[leader]) for leader in self.order}
+        return {leader: int(self.leaders[p]) if p >= 0 else NONE for leader, p in parents.items()}
 
 
 def prepare(character: Character, rest: Array, root: int, wanted: Sequence[tuple[int, bool, bool]]) -> Plan:
@@ -122,9 +149,11 @@ def _joints(character: Character, body: int, root: int, taken: set[int]) -> tupl
     trunk = {*character.spine, *character.neck, root, *([] if character.head is None else [character.head])}
     of_trunk = body in trunk or (above[:1] and above[0] in trunk and not _on_limb(character, body))
     carriers = {_carrier(character, limb.bones[0]) for limb in character.legs} if of_trunk else trunk
+    # What carries the root carries the whole body: feet that hang on it (IK bones) have no limb that could reach.
+    stops = taken | carriers | {root, *character.skeleton.tree.ancestors[root]}
     out: list[int] = []
     for bone in above:
-        if bone in taken or bone in carriers or bone == root:
+        if bone in stops:
             break
         out.append(bone)
     shoulders = {character.bone("leftShoulder"), character.bone("rightShoulder")}
@@ -162,110 +191,89 @@ def _hint(character: Character, body: int) -> Array:
 
 def solve(plan: Plan, goals: Goals) -> BodyPose:
     """Return the pose that meets the goals."""
-    state = _State(plan, len(goals))
-    state.place_root(goals)
+    state = _State(plan, goals)
     for step in plan.steps:
-        if step.body != plan.root:
-            state.take(step, goals)
-    turns = state.turns()
-    return BodyPose(turns, state.positions(turns), state.shift)
+        state.take(step)
+    frames = len(goals)
+    rotations = np.empty((frames, len(plan.order), 3, 3))
+    places = np.empty((frames, len(plan.order), 3))
+    for i, leader in enumerate(plan.order):
+        rotations[:, i], places[:, i] = state.rotation(leader), state.place(leader)
+    return BodyPose(rotations, places, np.broadcast_to(state.shift, (frames, 3)), plan)
 
 
 class _State:
-    """A pose in the making: turns of the leaders, from the root outward."""
+    """A pose in the making: rotations and places of the leaders, from the root outward."""
 
-    def __init__(self, plan: Plan, frames: int) -> None:
+    def __init__(self, plan: Plan, goals: Goals) -> None:
         self.plan = plan
-        self.frames = frames
-        self.shift = np.zeros((frames, 3))
-        self._own: dict[int, Array] = {}
-        """Turns of bodies as far as they are known."""
+        self.goals = goals
+        self.shift = np.zeros((1, 3))
+        self._wanted = quat.to_matrix(goals.turns)
+        self._whole = bool((goals.rotation_influence == 1.0).all())
+        self._rotations: dict[int, Array] = {}
+        self._places: dict[int, Array] = {}
 
-    def place_root(self, goals: Goals) -> None:
-        plan = self.plan
-        for step in plan.steps:
-            if step.body == plan.root:
-                influence = goals.position_influence[:, step.goal, None]
-                self.shift = influence * (goals.positions[:, step.goal] - plan.rest[plan.root])
-                self._own[plan.root] = _toward(quat.identity(1), goals, step.goal)
-
-    def take(self, step: Step, goals: Goals) -> None:
-        """Meet one goal."""
-        plan = self.plan
+    def take(self, step: Step) -> None:
+        """Meet one goal; those nearer to the root have been met before."""
+        plan, goals = self.plan, self.goals
+        influence = goals.position_influence[:, step.goal, None]
+        if step.body == plan.root:
+            self.shift = influence * (goals.positions[:, step.goal] - plan.rest[plan.root])
+        carried = self.rotation(plan.above[step.body])
         if step.chain is not None:
-            start = step.joints[0]
-            carried = self.turn(int(plan.parents[start]))
-            place = self.place(start)
-            rest_end = place + quat.rotate(carried, plan.rest[step.body] - plan.rest[start])
-            influence = goals.position_influence[:, step.goal, None]
-            goal = rest_end + influence * (goals.positions[:, step.goal] - rest_end)
-            turns, _ = step.chain.reach(quat.rotate(quat.conjugate(carried), goal - place))
-            turned = quat.multiply(carried[:, None], turns)
-            for i, joint in enumerate(step.joints):
-                self._own[joint] = turned[:, i]
-        carried = self.turn(int(plan.parents[step.body]))
-        if step.level and step.chain is not None:
-            carried = quat.slerp(carried, quat.identity(1), goals.position_influence[:, step.goal])
-        self._own[step.body] = _toward(carried, goals, step.goal)
+            carried = self._reach(step, step.chain, influence)
+            if step.level:
+                carried = _toward(carried, np.eye(3)[None], influence[:, 0])
+        self._rotations[step.body] = self._turned(step, carried)
 
-    def turn(self, body: int) -> Array:
-        """Return the turn of a body as far as it is known, shape (frame, 4)."""
-        while body >= 0:
-            if body in self._own:
-                return self._own[body]
-            body = int(self.plan.parents[body])
-        return quat.identity(self.frames)
+    def _reach(self, step: Step, chain: Chain, influence: Array) -> Array:
+        """Turn the joints of a chain, and return the rotation of the last."""
+        plan, start = self.plan, step.joints[0]
+        carried, place = self.rotation(plan.above[start]), self.place(start)
+        along = self.goals.positions[:, step.goal] - place
+        if (influence != 1.0).any():
+            rest = rotation.apply(carried, plan.rest[step.body] - plan.rest[start])
+            along = rest + influence * (along - rest)
+        turns, _ = chain.reach(rotation.apply(rotation.transposed(carried), along))
+        turned = np.matmul(carried[:, None], turns)
+        for i, joint in enumerate(step.joints):
+            self._rotations[joint] = turned[:, i]
+        return turned[:, -1]
 
-    def place(self, body: int) -> Array:
-        """Return where a body is as far as it is known [m], shape (frame, 3)."""
-        plan = self.plan
-        line = [body]
-        while plan.parents[line[-1]] >= 0:
-            line.append(int(plan.parents[line[-1]]))
-        if plan.root in line:
-            out, line = plan.rest[plan.root] + self.shift, line[: line.index(plan.root) + 1]
-        else:
-            out = np.broadcast_to(plan.rest[line[-1]], (self.frames, 3))
-        at = line[-1]
-        for below, above in zip(line[-2::-1], line[:0:-1], strict=True):
-            # Rigid stretches are crossed in one step.
-            if below in self._own or below == body:
-                out = out + quat.rotate(self.turn(above), plan.rest[below] - plan.rest[at])
-                at = below
-        return out
+    def _turned(self, step: Step, carried: Array) -> Array:
+        """Return the rotation of a goal's body: as it is wanted, as far as it is, else as it is carried."""
+        share = self.goals.rotation_influence[:, step.goal]
+        wanted = self._wanted[:, step.goal]
+        return wanted if self._whole or (share == 1.0).all() else _toward(carried, wanted, share)
 
-    def turns(self) -> Array:
-        """Return the turns of all bodies."""
-        plan = self.plan
-        out = np.empty((self.frames, len(plan.rest), 4))
-        led = np.stack([np.broadcast_to(self.turn(leader), (self.frames, 4)) for leader in plan.order], axis=1)
-        place = np.empty(len(plan.rest), dtype=np.intp)
-        place[list(plan.order)] = np.arange(len(plan.order))
-        np.take(led, place[plan.leaders], axis=1, out=out)
-        return out
+    def rotation(self, leader: int) -> Array:
+        """Return how a leader is turned, shape (frame or 1, 3, 3)."""
+        if leader == NONE:
+            return np.eye(3)[None]
+        if leader not in self._rotations:
+            return self.rotation(self.plan.above[leader])
+        return self._rotations[leader]
 
-    def positions(self, turns: Array) -> Array:
-        """Return the positions of all bodies, by forward kinematics over the leaders."""
-        plan = self.plan
-        heads = np.empty((self.frames, len(plan.rest), 3))
-        known: dict[int, Array] = {}
-        for leader in plan.order:
-            parent = int(plan.parents[leader])
+    def place(self, leader: int) -> Array:
+        """Return where a leader is [m], shape (frame or 1, 3)."""
+        if leader not in self._places:
+            plan = self.plan
+            above = plan.above[leader]
             if leader == plan.root:
-                known[leader] = plan.rest[leader] + self.shift
-            elif parent < 0:
-                known[leader] = np.broadcast_to(plan.rest[leader], (self.frames, 3))
+                self._places[leader] = plan.rest[leader] + self.shift
+            elif above == NONE:
+                self._places[leader] = plan.rest[leader][None]
             else:
-                above = int(plan.leaders[parent])
-                known[leader] = known[above] + quat.rotate(turns[:, above], plan.rest[leader] - plan.rest[above])
-        places = np.stack([known[leader] for leader in plan.order], axis=1)
-        place = np.empty(len(plan.rest), dtype=np.intp)
-        place[list(plan.order)] = np.arange(len(plan.order))
-        rows = place[plan.leaders]
-        heads[:] = places[:, rows] + quat.rotate(turns[:, plan.leaders], plan.rest - plan.rest[plan.leaders])
-        return heads
+                away = rotation.apply(self.rotation(above), plan.rest[leader] - plan.rest[above])
+                self._places[leader] = self.place(above) + away
+        return self._places[leader]
 
 
-def _toward(carried: Array, goals: Goals, goal: int) -> Array:
-    influence = goals.rotation_influence[:, goal]
-    return quat.slerp(carried, goals.turns[:, goal], influence)
+def _toward(carried: Array, wanted: Array, share: Array) -> Array:
+    """Return rotations part of the way to others, shape (frame, 3, 3)."""
+    if (share == 0.0).all():
+        return np.broadcast_to(carried, (len(share), 3, 3))
+    if (share == 1.0).all():
+        return np.broadcast_to(wanted, (len(share), 3, 3))
+    return quat.to_matrix(quat.slerp(quat.from_matrix(carried), quat.from_matrix(wanted), share))

@@ -1,0 +1,53 @@
+"""Rotations as matrices, for work on few at a time: a product costs a tenth of that of quaternions there.
+
+Matrices are on the last two axes, shape (..., 3, 3), vectors on the last one; all functions broadcast over what leads.
+"""
+
+import numpy as np
+
+from . import quat
+from .arrays import Array
+
+_OPPOSITE = 1e-9
+
+
+def apply(rotation: Array, vectors: Array) -> Array:
+    """Return vectors turned, shape (..., 3)."""
+    return np.matmul(rotation, vectors[..., None])[..., 0]
+
+
+def transposed(rotation: Array) -> Array:
+    """Return the inverse rotations."""
+    return np.swapaxes(rotation, -1, -2)
+
+
+def between(a: Array, b: Array) -> Array:
+    """Return the smallest rotations that turn directions ``a`` onto ``b``; see `quat.between` for degenerate ones."""
+    a, b = np.broadcast_arrays(a, b)
+    lengths = quat.length(a) * quat.length(b)
+    least = np.maximum(lengths, 1e-30)
+    outer = (b / least[..., None])[..., :, None] * a[..., None, :]
+    skew = outer - transposed(outer)
+    cosine = quat.dot(a, b) / least
+    out = np.eye(3) + skew + np.matmul(skew, skew) / np.maximum(1.0 + cosine, _OPPOSITE)[..., None, None]
+    odd = (1.0 + cosine < _OPPOSITE) | (lengths < 1e-24)
+    if odd.any():
+        out[odd] = quat.to_matrix(quat.between(a[odd], b[odd]))
+    return out
+
+
+class Hinges:
+    """Rotations about axes that stay the same."""
+
+    def __init__(self, axes: Array) -> None:
+        """Take unit vectors, shape (hinge, 3)."""
+        x, y, z = axes[..., 0], axes[..., 1], axes[..., 2]
+        zero = np.zeros_like(x)
+        rows = [np.stack(row, axis=-1) for row in ((zero, -z, y), (z, zero, -x), (-y, x, zero))]
+        self._skew = np.stack(rows, axis=-2)
+        self._square = self._skew @ self._skew
+
+    def turned(self, angles: Array) -> Array:
+        """Return the rotations by angles [rad], shape (..., hinge) to (..., hinge, 3, 3)."""
+        sine, rest = np.sin(angles)[..., None, None], (1.0 - np.cos(angles))[..., None, None]
+        return np.eye(3) + sine * self._skew + rest * self._square

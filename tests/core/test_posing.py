@@ -1,0 +1,384 @@
+"""Posing: chains that reach, and whole bodies that meet their goals. Poses are rebuilt from bones and measured."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from morph_retarget.core import play, quat
+from morph_retarget.core.arrays import Array
+from morph_retarget.core.character.analysis import analyze
+from morph_retarget.core.character.character import Character
+from morph_retarget.core.character.frame import Placement
+from morph_retarget.core.character.morphology import Capability
+from morph_retarget.core.morph.bind import GeneralizedAction, bind
+from morph_retarget.core.morph.bodies import Bodies
+from morph_retarget.core.morph.channels import Channel, TargetKind, Values
+from morph_retarget.core.morph.context import Context
+from morph_retarget.core.morph.movement import Movement, ScaleMode
+from morph_retarget.core.play import Part, Played
+from morph_retarget.core.skeleton import pose_from_basis
+from morph_retarget.core.solve.chain import FIRM, SOFT, STRAIGHT, Chain
+from tests.morph_bodies import real_characters
+from tests.skeletons import skeleton_of
+from tools.figure import CHIBI, Bone, Build, humanoid, moved
+
+seeds = st.integers(0, 10_000)
+few = settings(max_examples=30)
+UP = np.array([0.0, 0.0, 1.0])
+ELBOW_BACK = np.array([0.0, 1.0, 0.0])
+
+# --- chains ---
+
+
+def _chain(rng: np.random.Generator, joints: int, bend: float) -> tuple[Chain, Array]:
+    """Return a chain of uneven bones in any direction that bends at rest, each joint its own way; and its length."""
+    way = quat.unit(rng.normal(size=3))
+    segments: list[Array] = []
+    size = 10.0 ** rng.uniform(-2.0, 2.0)
+    for _ in range(joints):
+        segments.append(size * rng.uniform(0.1, 1.0) * way)
+        way = quat.rotate(quat.from_axis_angle(quat.unit(rng.normal(size=3)), bend * rng.uniform(-1.0, 1.0)), way)
+    points = np.concatenate([[np.zeros(3)], np.cumsum(segments, axis=0)])
+    return Chain.make(points, quat.unit(rng.normal(size=3))), quat.length(np.array(segments)).sum()
+
+
+def _reach(chain: Chain, goals: Array) -> tuple[Array, Array]:
+    """Return the turns of a chain that reaches, as quaternions, and its ends."""
+    rotations, ends = chain.reach(goals)
+    assert np.abs(np.linalg.det(rotations) - 1.0).max() < 1e-9
+    return quat.from_matrix(rotations), ends
+
+
+def _end(chain: Chain, turns: Array) -> Array:
+    """Return where the turned bones lead."""
+    return quat.rotate(turns, chain.segments).sum(axis=1)
+
+
+def _arm(bend: float = 0.4) -> Chain:
+    """Return an arm of two bones of 0.3 m that hangs down and bends its elbow backward by ``bend`` [rad]."""
+    elbow = np.array([0.0, np.sin(bend / 2), -np.cos(bend / 2)]) * 0.3
+    return Chain.make(np.array([np.zeros(3), elbow, elbow * [1, 0, 2]]), ELBOW_BACK)
+
+
+@few
+@given(seed=seeds, joints=st.integers(2, 6), bend=st.sampled_from([0.0, 0.02, 0.3, 1.0, 2.0]))
+def test_a_chain_reaches_every_point_within_its_reach(seed: int, joints: int, bend: float) -> None:
+    rng = np.random.default_rng(seed)
+    chain, length = _chain(rng, joints, bend)
+    full = chain.distances[0]
+    least, most = chain.distances[-1], max(SOFT * full, chain.rest_distance)
+    goals = quat.unit(rng.normal(size=(300, 3))) * rng.uniform(least, most, (300, 1))
+    turns, ends = _reach(chain, goals)
+    assert np.abs(_end(chain, turns) - ends).max() < 1e-9 * length
+    assert quat.length(ends - goals).max() < 1e-3 * length
+
+
+@few
+@given(seed=seeds, joints=st.integers(2, 6), bend=st.sampled_from([0.0, 0.02, 0.3, 1.0]))
+def test_a_chain_stretches_out(seed: int, joints: int, bend: float) -> None:
+    chain, length = _chain(np.random.default_rng(seed), joints, bend)
+    assert chain.distances[0] >= 0.98 * length
+    assert (np.diff(chain.distances) < 0.0).all()
+
+
+@few
+@given(seed=seeds, joints=st.integers(2, 6))
+def test_a_straight_chain_folds_up(seed: int, joints: int) -> None:
+    chain, length = _chain(np.random.default_rng(seed), joints, 0.0)
+    assert chain.distances[-1] <= max(0.5 * length, 1.2 * (2.0 * quat.length(chain.segments).max() - length))
+
+
+@few
+@given(seed=seeds, joints=st.integers(1, 6), bend=st.sampled_from([0.0, 1e-3, 0.02, 0.3, 1.0, 2.0]))
+def test_the_rest_goal_is_the_rest_pose(seed: int, joints: int, bend: float) -> None:
+    chain, length = _chain(np.random.default_rng(seed), joints, bend)
+    goal = chain.segments.sum(axis=0)
+    turns, ends = _reach(chain, goal[None])
+    assert quat.angle_between(turns, quat.IDENTITY).max() < 1e-6
+    assert quat.length(ends - goal).max() < 1e-6 * length
+
+
+@few
+@given(seed=seeds, joints=st.integers(2, 6), bend=st.sampled_from([0.0, 0.02, 0.3, 1.0, 2.0]))
+def test_a_chain_never_snaps_whether_its_goal_is_in_reach_or_not(seed: int, joints: int, bend: float) -> None:
+    rng = np.random.default_rng(seed)
+    chain, length = _chain(rng, joints, bend)
+    away = length * np.linspace(0.01, 1.5, 30001)
+    turns, ends = _reach(chain, away[:, None] * quat.unit(rng.normal(size=3)))
+    # Joints that stand a little bent against their hint go over to its side at once.
+    jump = 0.05 if bend > STRAIGHT or bend == 0.0 else 2.0 * STRAIGHT
+    assert quat.angle_between(turns[1:], turns[:-1]).max() < jump
+    assert quat.length(np.diff(ends, axis=0)).max() < 1e-2 * length
+
+
+def test_a_goal_beyond_reach_is_approached_ever_more_slowly() -> None:
+    away = np.linspace(0.5, 3.0, 2001)
+    chain = _arm()
+    _, ends = _reach(chain, away[:, None] * quat.unit(np.array([1.0, -2.0, 0.5])))
+    distance = quat.length(ends)
+    step = np.diff(distance)
+    inside = away[1:] < SOFT * 0.6
+    assert np.abs(distance - away)[1:][inside].max() < 1e-4
+    assert (step > -1e-6).all()
+    assert (np.diff(step[~inside]) < 1e-4).all()
+    assert distance.max() <= FIRM * 0.6 + 1e-5
+    assert np.abs(quat.unit(ends) - quat.unit(np.array([1.0, -2.0, 0.5]))).max() < 1e-9
+
+
+def test_bones_keep_their_lengths() -> None:
+    """Turns are rotations: what they do not change is length."""
+    rng = np.random.default_rng(3)
+    chain, _ = _chain(rng, 4, 1.0)
+    turns, _ = _reach(chain, 5.0 * rng.normal(size=(100, 3)))
+    assert np.abs(quat.length(turns) - 1.0).max() < 1e-12
+
+
+@pytest.mark.parametrize("bend", [0.4, 0.06, 0.01, 0.0, -0.01, -0.04])
+def test_elbows_keep_the_side_to_which_they_bend(bend: float) -> None:
+    """Hardly bent arms bend the way of the hint, even those that stand a little overstretched at rest."""
+    assert bend > -STRAIGHT
+    chain = _arm(bend)
+    heights = np.linspace(0.18, 0.55, 200)
+    turns, ends = _reach(chain, -heights[:, None] * UP)
+    elbows = quat.rotate(turns[:, 0], chain.segments[0])
+    behind = quat.dot(elbows, np.broadcast_to(ELBOW_BACK, elbows.shape))
+    assert (behind > 0.0).all()
+    assert (np.diff(behind) < 0.0).all()
+    assert np.abs(elbows[:, 0]).max() < 1e-9
+    assert quat.length(ends + heights[:, None] * UP).max() < 1e-3
+
+
+def test_each_pose_of_a_chain_depends_on_its_own_goal_alone() -> None:
+    rng = np.random.default_rng(5)
+    chain, length = _chain(rng, 3, 1.0)
+    goals = length * rng.normal(size=(500, 3))
+    order = rng.permutation(500)
+    assert np.array_equal(_reach(chain, goals[order])[0], _reach(chain, goals)[0][order])
+
+
+# --- bodies ---
+
+
+def _figure(seed: int = 0, placement: Placement | None = None, **options: object) -> Character:
+    bones = humanoid(build=options.pop("build", Build(fingers=2)), **options)
+    if placement is not None:
+        inverse, back = placement.inverse(), np.eye(4)
+        back[:3, :3], back[:3, 3] = inverse.scale * inverse.rotation, inverse.translation
+        bones = moved(bones, back)
+    return analyze(skeleton_of(bones, np.random.default_rng(seed)), placement)
+
+
+TURNED = Placement(
+    quat.to_matrix(quat.from_rotation_vector(np.array([np.pi / 2, 0.0, 0.3]))), 0.01, np.array([2.0, 1.0, 0.0])
+)
+FIGURES: Mapping[str, dict[str, object]] = {
+    "an adult": {},
+    "a big head and short legs": {"proportions": CHIBI, "height": 1.1, "build": Build(fingers=1, arms_down=50.0)},
+    "a long spine and twist bones": {"build": Build(spine=5, neck=2, twists=2, root=True)},
+    "hardly any spine": {"build": Build(spine=1, neck=0, clavicles=False, toes=False, arms_down=80.0)},
+    "a turned object in centimetres": {"placement": TURNED},
+}
+SIZED = Movement(scale=ScaleMode.LIMB_LENGTH)
+ROOT, FOOT, GRASPER, HEAD = Capability.ROOT, Capability.FOOT, Capability.GRASPER, Capability.HEAD
+
+
+def _part(character: Character, *channels: Channel) -> Part:
+    binding = bind(GeneralizedAction("action", channels), Bodies.of(character))
+    return play.prepare(character, binding)
+
+
+def _all_channels() -> list[Channel]:
+    """Return channels for everything that can be posed."""
+    places = [Channel(c.value, Context(c), SIZED) for c in (ROOT, FOOT, GRASPER, HEAD, Capability.TAIL)]
+    turns = (Capability.SPINE, Capability.NECK, Capability.LIMB, Capability.MOUTH, Capability.WING, Capability.FINGER)
+    return [*places, *(Channel(c.value, Context(c), poses_position=False) for c in turns)]
+
+
+def _still(frames: int, channels: int) -> Values:
+    return Values(np.zeros((frames, channels, 3)), quat.identity(frames, channels), np.ones((frames, channels)))
+
+
+def _wild(rng: np.random.Generator, frames: int, channels: int) -> Values:
+    turns = quat.from_rotation_vector(rng.uniform(-0.5, 0.5, (frames, channels, 3)))
+    return Values(rng.uniform(-0.6, 0.6, (frames, channels, 3)), turns, rng.uniform(0.0, 1.0, (frames, channels)))
+
+
+def _rebuilt(character: Character, played: Played) -> Array:
+    """Return the places of all bones that the keys make, character frame, by forward kinematics alone."""
+    skeleton, frames = character.skeleton, len(played.basis)
+    rotations, locations = quat.identity(frames, len(skeleton)), np.zeros((frames, len(skeleton), 3))
+    rotations[:, played.bones] = played.basis
+    rest = skeleton.rest_rotations[played.root]
+    locations[:, played.root] = quat.rotate(quat.conjugate(rest), played.shift)
+    return character.local_to_character.points(pose_from_basis(skeleton, rotations, locations).positions)
+
+
+def _assert_at_rest(character: Character) -> None:
+    channels = _all_channels()
+    played = play.evaluate(_part(character, *channels), _still(2, len(channels)), {})
+    bodies = Bodies.of(character)
+    assert quat.angle_between(played.basis, quat.IDENTITY).max() < 1e-6
+    assert np.abs(played.shift).max() < 1e-6 * bodies.size / character.placement.scale
+    assert np.abs(played.pose.positions - bodies.positions).max() < 1e-6 * bodies.size
+
+
+def _assert_rebuilt(character: Character, rng: np.random.Generator) -> None:
+    channels = _all_channels()
+    played = play.evaluate(_part(character, *channels), _wild(rng, 4, len(channels)), {})
+    size = Bodies.of(character).size
+    assert np.isfinite(played.pose.positions).all()
+    assert np.abs(_rebuilt(character, played) - played.pose.positions).max() < 1e-6 * size
+
+
+@pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
+def test_zero_values_leave_the_rest_pose(options: dict[str, object]) -> None:
+    _assert_at_rest(_figure(1, **options))
+
+
+def test_zero_values_leave_the_rest_pose_of_real_rigs(data: Path) -> None:
+    for character in real_characters(data).values():
+        _assert_at_rest(character)
+
+
+@pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
+def test_keys_make_the_pose_that_was_solved(options: dict[str, object]) -> None:
+    _assert_rebuilt(_figure(2, **options), np.random.default_rng(6))
+
+
+def test_keys_make_the_pose_that_was_solved_on_real_rigs(data: Path) -> None:
+    for character in real_characters(data).values():
+        _assert_rebuilt(character, np.random.default_rng(7))
+
+
+def _assert_lengths(character: Character, positions: Array) -> None:
+    child = np.flatnonzero(character.skeleton.parents >= 0)
+    child = child[[int(character.skeleton.parents[c]) in character.spine + character.limbs[0].bones for c in child]]
+    rest = Bodies.of(character).positions
+    parents = character.skeleton.parents[child]
+    lengths = quat.length(positions[:, child] - positions[:, parents])
+    assert np.abs(lengths - quat.length(rest[child] - rest[parents])).max() < 1e-9
+
+
+def test_bones_of_a_body_keep_their_lengths() -> None:
+    character, channels = _figure(3), _all_channels()
+    played = play.evaluate(_part(character, *channels), _wild(np.random.default_rng(8), 20, len(channels)), {})
+    _assert_lengths(character, played.pose.positions)
+
+
+@pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
+def test_bodies_come_to_their_goals(options: dict[str, object]) -> None:
+    """Hands and feet in reach of straight limbs, wherever the root has gone."""
+    character = _figure(4, **options)
+    part = _part(character, Channel("root", Context(ROOT)), *(Channel(c, Context(c), SIZED) for c in (FOOT, GRASPER)))
+    rng, frames = np.random.default_rng(9), 50
+    values = _still(frames, 3)
+    size = Bodies.of(character).size
+    values.positions[:, 0] = 0.02 * size * rng.uniform([-1, -1, -1], [1, 1, 0], (frames, 3))
+    values.rotations[:, 0] = quat.from_rotation_vector(rng.uniform(-0.15, 0.15, (frames, 3)))
+    values.positions[:, 1] = rng.uniform([-0.1, -0.1, 0.05], [0.1, 0.1, 0.3], (frames, 3))
+    values.positions[:, 2] = rng.uniform([-0.2, -0.4, -0.1], [0.2, -0.2, 0.1], (frames, 3))
+    played = play.evaluate(part, values, {})
+    apart = quat.length(played.pose.positions[:, played.goals.bodies] - played.goals.positions)
+    root = played.goals.bodies.tolist().index(played.root)
+    assert apart[:, root].max() < 1e-9 * size
+    feet = [played.goals.bodies.tolist().index(leg.end) for leg in character.legs]
+    assert apart[:, feet].max() < 2e-3 * size
+
+
+@pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)
+def test_feet_stay_where_they_are_and_level_while_a_body_sits_down(options: dict[str, object]) -> None:
+    character = _figure(5, **options)
+    part = _part(
+        character,
+        Channel("root", Context(ROOT), SIZED, poses_rotation=False),
+        Channel("feet", Context(FOOT), poses_rotation=False),
+    )
+    frames, bodies = 41, Bodies.of(character)
+    feet = [leg.end for leg in character.legs]
+    leg = bodies.positions[character.legs[0].bones[0], 2]
+    down = np.linspace(0.0, 0.6, frames) * leg
+    values = _still(frames, 2)
+    values.positions[:, 0, 2] = -down / bodies.limb_lengths[part.pose.root]
+    played = play.evaluate(part, values, {})
+    assert np.abs(played.pose.positions[:, feet] - bodies.positions[feet]).max() < 2e-3 * bodies.size
+    sunk = played.pose.positions[:, played.root, 2] - bodies.positions[played.root, 2]
+    assert np.abs(sunk + down).max() < 1e-9 * bodies.size
+    assert quat.angle_between(played.pose.turns[:, feet], quat.IDENTITY).max() < 1e-6
+    # Knees bend forward.
+    knees = [leg.bones[-2] for leg in character.legs if len(leg.bones) == 3]
+    ahead = played.pose.positions[:, knees, 1] - bodies.positions[knees, 1]
+    assert (ahead[1:] < 0.0).all()
+    assert np.linalg.norm(np.diff(played.pose.positions, axis=0), axis=-1).max() < 0.1 * bodies.size
+
+
+def test_influence_leads_from_where_a_body_is_carried_to_its_goal() -> None:
+    character = _figure(6)
+    part = _part(character, Channel("root", Context(ROOT)), Channel("feet", Context(FOOT)))
+    values = _still(11, 2)
+    values.positions[:, 0, 2] = -0.2
+    values.weights[:, 1] = np.linspace(0.0, 1.0, 11)
+    feet = [leg.end for leg in character.legs]
+    rest = Bodies.of(character).positions[feet]
+    sunk = play.evaluate(part, values, {}).pose.positions[:, feet] - rest
+    assert np.abs(sunk[..., 2] + 0.2 * (1.0 - values.weights[:, 1:])).max() < 2e-3
+
+
+def test_a_pose_does_not_depend_on_the_frames_before_it() -> None:
+    """Not by one bit: played backward, or at random, the same time gives the same pose."""
+    character, channels = _figure(7), _all_channels()
+    channels.insert(0, Channel("reach", Context(GRASPER), Movement(secondary_relative=True), TargetKind.EXTERNAL))
+    channels.append(Channel("gaze", Context(HEAD), Movement(look_at=True), TargetKind.EXTERNAL))
+    rng, frames = np.random.default_rng(10), 200
+    values, part = _wild(rng, frames, len(channels)), _part(character, *channels)
+    targets = {0: rng.normal(size=(frames, 3)), len(channels) - 1: rng.normal(size=(frames, 3))}
+    played = play.evaluate(part, values, targets)
+    for order in (np.arange(frames)[::-1], rng.permutation(frames)):
+        mixed = Values(values.positions[order], values.rotations[order], values.weights[order])
+        again = play.evaluate(part, mixed, {channel: target[order] for channel, target in targets.items()})
+        assert np.array_equal(again.basis, played.basis[order])
+        assert np.array_equal(again.shift, played.shift[order])
+    one = slice(50, 51)
+    alone = Values(values.positions[one], values.rotations[one], values.weights[one])
+    single = play.evaluate(part, alone, {channel: target[one] for channel, target in targets.items()})
+    assert quat.angle_between(single.basis, played.basis[one]).max() < 1e-9
+
+
+def test_small_changes_of_goals_are_small_changes_of_poses() -> None:
+    character = _figure(8, build=Build(fingers=2, arms_down=50.0))
+    part = _part(character, Channel("hands", Context(GRASPER), SIZED, poses_rotation=False))
+    values = _still(4001, 1)
+    t = np.linspace(0.0, 1.0, 4001)
+    # From the rest, past the reach of the arm, and back to the chest.
+    values.positions[:, 0] = np.stack([0.3 * np.sin(3 * t), -3.0 * t * (1 - t), 0.8 * t], axis=-1)
+    played = play.evaluate(part, values, {})
+    assert quat.angle_between(played.basis[1:], played.basis[:-1]).max() < 0.05
+
+
+def test_bones_that_do_not_inherit_rotation_are_carried_along() -> None:
+    bones = humanoid(build=Build(fingers=2))
+    plain = skeleton_of(bones, np.random.default_rng(11))
+    inherits = np.array([b.name not in ("leftLowerArm", "head") for b in bones])
+    loose = type(plain)(
+        plain.names, plain.parents, plain.rest_positions, plain.rest_rotations, plain.rest_tails, inherits=inherits
+    )
+    channel = Channel("spine", Context(Capability.SPINE), poses_position=False)
+    values = _still(3, 1)
+    values.rotations[:] = quat.from_rotation_vector(np.array([0.2, 0.1, 0.3]))
+    poses = [play.evaluate(_part(analyze(s), channel), values, {}).pose for s in (plain, loose)]
+    assert np.abs(poses[1].positions - poses[0].positions).max() < 1e-9
+
+
+def test_what_a_rig_cannot_reach_is_left_as_it_is() -> None:
+    """A goal for a bone fixed to what carries it moves nothing, and the plan tells it."""
+    bones: list[Bone] = [*humanoid(), Bone("mouth", "head", (0.0, -0.1, 1.6), (0.0, -0.15, 1.6))]
+    character = analyze(skeleton_of(bones))
+    part = _part(character, Channel("head", Context(HEAD)), Channel("mouth", Context(Capability.MOUTH)))
+    values = _still(2, 2)
+    values.positions[:, 1] = 0.1
+    played = play.evaluate(part, values, {})
+    assert [character.skeleton.names[b] for b in part.pose.unreachable] == ["mouth"]
+    assert np.abs(played.pose.positions - Bodies.of(character).positions).max() < 1e-6
