@@ -9,11 +9,13 @@ from ..core.arrays import Array
 from .rig import pose_of
 
 CurveMap = dict[tuple[str, int], bpy.types.FCurve]
+Owner = bpy.types.Object | bpy.types.Key
+"""What plays an action."""
 
 _CONSTANT, _LINEAR = 0, 1
 
 
-def assigned(ob: bpy.types.Object) -> tuple[bpy.types.Action | None, bpy.types.ActionSlot | None]:
+def assigned(ob: Owner) -> tuple[bpy.types.Action | None, bpy.types.ActionSlot | None]:
     """Return the action and slot that an object plays, None for either that is missing."""
     data = ob.animation_data
     return (data.action, data.action_slot) if data else (None, None)
@@ -122,9 +124,10 @@ def paths_in_strips(ob: bpy.types.Object) -> set[str]:
 class Writer:
     """A new action with one slot, filled curve by curve in bulk."""
 
-    def __init__(self, name: str, ob: bpy.types.Object) -> None:
+    def __init__(self, name: str, owner: Owner) -> None:
         self.action = bpy.data.actions.new(name)
-        self.slot = self.action.slots.new(id_type="OBJECT", name=ob.name)
+        kind = "KEY" if isinstance(owner, bpy.types.Key) else "OBJECT"
+        self.slot = self.action.slots.new(id_type=kind, name=owner.name)
         strip = self.action.layers.new("Layer").strips.new(type="KEYFRAME")
         assert isinstance(strip, bpy.types.ActionKeyframeStrip), "a strip of this type was asked for"
         bag = strip.channelbag(self.slot, ensure=True)
@@ -197,6 +200,12 @@ class Writer:
         bpy.data.actions.remove(self.action)
 
 
+def put_in_group(bag: bpy.types.ActionChannelbag, curve: bpy.types.FCurve, name: str) -> None:
+    """Show a curve in a group of the channel list, made if there is none."""
+    if curve.group is None or curve.group.name != name:
+        curve.group = bag.groups.get(name) or bag.groups.new(name)
+
+
 def _copy_modifier(modifier: bpy.types.FModifier, curve: bpy.types.FCurve) -> None:
     """Give a curve a modifier like another one, setting by setting."""
     if modifier.type == "CYCLES" and len(curve.keyframe_points) < 2:
@@ -222,16 +231,16 @@ _KEY_PROPERTIES = (
 )
 
 
-def assign(ob: bpy.types.Object, action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> None:
+def assign(ob: Owner, action: bpy.types.Action | None, slot: bpy.types.ActionSlot | None) -> None:
     """Make an object play a slot of an action; the slot is always set, since Blender's own choice may be none."""
     data = ob.animation_data or ob.animation_data_create()
-    assert data is not None, "objects can be animated"
+    assert data is not None, "objects and shape keys can be animated"
     data.action = action
     if action is not None:
         data.action_slot = slot
 
 
-def play(ob: bpy.types.Object, action: bpy.types.Action, slot: bpy.types.ActionSlot) -> None:
+def play(ob: Owner, action: bpy.types.Action, slot: bpy.types.ActionSlot) -> None:
     """Make an object play a slot of an action in full, whatever strips lie below it."""
     assign(ob, action, slot)
     data = ob.animation_data

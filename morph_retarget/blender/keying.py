@@ -59,5 +59,6 @@ def _copy_others(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, writt
         stem, _, prop = path.rpartition(".")
         of_body = stem in own and prop in transforms
         of_object = not stem and (prop in transforms or prop.startswith("delta_"))
-        if path not in written and not of_body and not of_object:
+        generalized = path.startswith("morph_retarget.")  # it moves the body too
+        if path not in written and not of_body and not of_object and not generalized:
             writer.copy(curve)

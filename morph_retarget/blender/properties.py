@@ -258,6 +258,11 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         description="Take over what the target's present action does to bones that are not mapped",
         default=True,
     )
+    show_paths: BoolProperty(
+        name="Motion Paths",
+        description="Draw where the active channel brings the active body of the active character, and its target",
+        default=True,
+    )
 
     def options(self) -> Options:
         """Return the settings as the retarget takes them."""

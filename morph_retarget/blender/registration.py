@@ -7,14 +7,18 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
-from .morph import cast, perform
+from .morph import autokey, cast, keys, perform, remap
 from .morph import properties as morph
+from .ui import overlay
 
 CLASSES = (*properties.CLASSES, *operators.CLASSES, *ui.CLASSES)
 
 _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (properties.listeners, live.refresh),
+    (morph.movement_listeners, remap.changed),
+    (morph.name_listeners, keys.rename),
     (morph.definition_listeners, perform.definition_changed),
+    (morph.value_listeners, autokey.valued),
     (morph.character_listeners, perform.character_changed),
 )
 """Who is told of which changes of settings."""
@@ -35,6 +39,7 @@ def register(package: str | None) -> None:
         listeners.append(listener)
     presets.use(package or NAME)
     handlers.attach()
+    overlay.attach()
     _commands.append(bpy.utils.register_cli_command(NAME, main))
 
 
@@ -42,6 +47,7 @@ def unregister() -> None:
     """Undo `register`."""
     while _commands:
         bpy.utils.unregister_cli_command(_commands.pop())
+    overlay.detach()
     handlers.detach()
     live.forget()
     perform.forget()

@@ -24,11 +24,11 @@ def show(member: Member, played: Played) -> None:
         value = sum(values) / len(values)
         if name in ob:
             ob[name] = value
-        for key in _keys_of(ob, name):
+        for key in keys_of(ob, name):
             key.value = value
 
 
-def _keys_of(ob: bpy.types.Object, name: str) -> list[bpy.types.ShapeKey]:
+def keys_of(ob: bpy.types.Object, name: str) -> list[bpy.types.ShapeKey]:
     """Return the shape keys of a name on the meshes that hang on an armature."""
     meshes = [child.data for child in ob.children if isinstance(child.data, bpy.types.Mesh)]
     keys = [mesh.shape_keys for mesh in meshes if mesh.shape_keys is not None]

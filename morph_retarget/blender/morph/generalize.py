@@ -1,6 +1,6 @@
 """From a bone that the animator moves to generalized values, for all characters that play the action."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import bpy
@@ -31,6 +31,17 @@ class Held:
     """Generalized, shape (4,)."""
     bones: tuple[str, ...]
     """Bones that bring the body to its place, which are the animator's while they are held."""
+
+    @property
+    def channel(self) -> str:
+        """Name of the channel that poses the body."""
+        return self.member.definition.channels[self.member.part.binding.entries[self.entry].channel].name
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Values that are changed."""
+        entry = self.member.part.binding.entries[self.entry]
+        return tuple(part for part in ("position", "rotation") if getattr(entry, part))
 
 
 def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Mapping[int, Shown]) -> Held | None:
@@ -93,17 +104,13 @@ def generalized(member: Member, shown: Shown, entry: int, seen: bpy.types.Object
     return found_positions[0, entry], found_rotations[0, entry]
 
 
-def give(held: Held, characters: Sequence[bpy.types.Object]) -> None:
-    """Give all characters of an action the values of a body that is held."""
+def give(held: Held) -> None:
+    """Take over a held body into its channel's values, which all characters of the action share."""
     entry = held.member.part.binding.entries[held.entry]
-    name = held.member.definition.channels[entry.channel].name
-    for ob in characters:
-        item = of_rig(ob).channels.get(name)
-        if item is not None:
-            if entry.position:
-                item.position = held.position.tolist()
-            if entry.rotation:
-                item.rotation = quat.multiply(
-                    held.rotation, quat.IDENTITY * (1.0 if held.rotation @ np.array(item.rotation) >= 0.0 else -1.0)
-                ).tolist()
-    of_rig(held.ob).channels[name].active_body = held.member.rig.skeleton.names[entry.body]
+    item = of_rig(held.ob).channels[held.channel]
+    if entry.position:
+        item.position = held.position.tolist()
+    if entry.rotation:
+        near = held.rotation @ np.array(item.rotation) >= 0.0
+        item.rotation = (held.rotation if near else -held.rotation).tolist()
+    item.active_body = held.member.rig.skeleton.names[entry.body]

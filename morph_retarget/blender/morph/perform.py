@@ -5,7 +5,7 @@ changed. An animator's own hand on a bone of the active channel is taken for its
 other bodies and characters follow (Hecker 2008 §3.2.1).
 """
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 import bpy
 import numpy as np
@@ -15,7 +15,7 @@ from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.morph.channels import Values
 from ..properties import of_rig
-from . import cast, deforms, generalize, pose, stage
+from . import autokey, cast, deforms, generalize, keys, pose, specialized, stage
 from .generalize import Held
 from .shown import Shown
 
@@ -45,16 +45,37 @@ def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
         return
     for ob in found:
         _drop_edited(ob, graph)
+    edited = {change.id.original for change in graph.updates if isinstance(change.id, bpy.types.Action)}
+    if edited:
+        _follow_curves(found, edited)
     held = generalize.posed_by_hand(scene, graph, _shown)
     if held is not None:
-        generalize.give(held, cast.playing(scene, held.member.action))
+        autokey.hold(held, show_frame)
+        generalize.give(held)
     _show(found, graph, anew=False, held=held)
+
+
+def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> None:
+    """Put right what Blender has just keyed by number, and generalize specialized curves that were reshaped."""
+    for ob in found:
+        action = cast.action_of(ob)
+        if action is not None and action in edited:
+            keys.by_name(action, ob)
+    for action in {action for ob in found if (action := cast.action_of(ob)) is not None}:
+        for empty in specialized.stand_ins(action):
+            own = empty.animation_data.action if empty.animation_data else None
+            if own in edited:
+                try:
+                    specialized.apply(empty)
+                except MorphError as error:
+                    cast.problems[of_rig(empty).stands_for.session_uid] = str(error)
 
 
 def forget(ob: bpy.types.Object | None = None) -> None:
     """Drop what is shown; it is made anew when it is next needed."""
     if ob is None:
         _shown.clear()
+        autokey.forget()
     else:
         _shown.pop(ob.session_uid, None)
 

@@ -35,19 +35,31 @@ def show(rig: Rig, played: Played, but: Collection[str] = ()) -> dict[str, Singl
         played: The clip.
         but: Bones to leave as they are.
     """
-    found = [channel for channel in channels_of(rig, played) if channel.bone not in but]
-    bones = pose_of(rig.object).bones
-    place = {name: int(i) for name, i in zip(rig.skeleton.names, rig.pose_order, strict=True)}
+    bones, names = pose_of(rig.object).bones, rig.skeleton.names
     now: dict[str, Singles] = {}
-    for name in dict.fromkeys(channel.prop for channel in found):
-        width = _WIDTHS[name]
-        own = [channel for channel in found if channel.prop == name]
-        buffer = np.empty(len(bones) * width, dtype=np.float32)
-        bones.foreach_get(name, buffer)
-        rows = buffer.reshape(len(bones), width)
-        rows[[place[channel.bone or ""] for channel in own]] = np.stack([channel.values[0] for channel in own])
-        bones.foreach_set(name, buffer)
-        now[name] = buffer
+    rows: dict[str, list[tuple[int, Array]]] = {}
+    still = np.zeros(3)  # an animator may have pulled a bone off its place
+    for i, bone in enumerate(played.bones):
+        name = names[bone]
+        if name not in but:
+            rows.setdefault("location", []).append((int(rig.pose_order[bone]), still))
+            owner = bones[int(rig.pose_order[bone])]
+            if owner.rotation_mode == "QUATERNION":
+                prop, value = "rotation_quaternion", played.basis[0, i]
+            else:
+                channel = channels.rotation(owner, name, played.basis[:1, i])
+                prop, value = channel.prop, channel.values[0]
+            rows.setdefault(prop, []).append((int(rig.pose_order[bone]), value))
+    moved = channels.location(rig, channels.movable(rig, played.root), played.shift[:1])
+    if moved.bone not in but:
+        place = int(rig.pose_order[rig.skeleton.index[moved.bone or ""]])
+        rows.setdefault(moved.prop, []).append((place, moved.values[0]))
+    for prop, given in rows.items():
+        buffer = np.empty(len(bones) * _WIDTHS[prop], dtype=np.float32)
+        bones.foreach_get(prop, buffer)
+        buffer.reshape(len(bones), _WIDTHS[prop])[[place for place, _ in given]] = np.array([v for _, v in given])
+        bones.foreach_set(prop, buffer)
+        now[prop] = buffer
     rig.object.update_tag(refresh={"OBJECT"})
     return now
 

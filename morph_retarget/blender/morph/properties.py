@@ -29,6 +29,8 @@ movement_listeners: list[Callable[["MORPHRETARGET_PG_channel"], None]] = []
 """Called before those, after a movement mode of a channel has changed."""
 name_listeners: list[Callable[["MORPHRETARGET_PG_channel", str], None]] = []
 """Called after a channel was renamed, with its old name."""
+value_listeners: list[Callable[["MORPHRETARGET_PG_values", str], None]] = []
+"""Called after a value of a channel was set by hand, with the name of its property."""
 character_listeners: list[Listener] = []
 """Called after a setting of a character has changed."""
 
@@ -50,6 +52,15 @@ def _moved(own: "MORPHRETARGET_PG_channel", context: bpy.types.Context) -> None:
 def _cast(own: Any, _: bpy.types.Context) -> None:
     for listener in character_listeners:
         listener(own.id_data)
+
+
+def _valued(part: str) -> Callable[["MORPHRETARGET_PG_values", bpy.types.Context], None]:
+    def tell(own: "MORPHRETARGET_PG_values", _: bpy.types.Context) -> None:
+        """Tell that a value was set."""
+        for listener in value_listeners:
+            listener(own, part)
+
+    return tell
 
 
 def _named(own: "MORPHRETARGET_PG_channel", context: bpy.types.Context) -> None:
@@ -392,7 +403,13 @@ class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
     """The values of one channel; `name` is the channel's."""
 
     position: FloatVectorProperty(
-        name="Position", description="Generalized position", size=3, default=(0.0, 0.0, 0.0), precision=3, step=1
+        name="Position",
+        description="Generalized position",
+        size=3,
+        default=(0.0, 0.0, 0.0),
+        precision=3,
+        step=1,
+        update=_valued("position"),
     )
     rotation: FloatVectorProperty(
         name="Rotation",
@@ -400,6 +417,7 @@ class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
         size=4,
         subtype="QUATERNION",
         default=(1.0, 0.0, 0.0, 0.0),
+        update=_valued("rotation"),
     )
     weight: FloatProperty(
         name="Weight",
@@ -408,6 +426,7 @@ class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
+        update=_valued("weight"),
     )
     deforms: CollectionProperty(
         type=MORPHRETARGET_PG_deform, name="Deforms", description="Scalar curves, such as open and closed"
@@ -445,6 +464,15 @@ class Performer:
         min=0,
         override=_OVERRIDABLE,
         update=_cast,
+    )
+    stands_for: PointerProperty(
+        type=bpy.types.Object,
+        name="Stands For",
+        description="Character whose channel is edited through this object's curves",
+        options={"HIDDEN"},
+    )
+    stands_for_channel: StringProperty(
+        name="Channel", description="Channel that is edited through this object's curves", options={"HIDDEN"}
     )
     muted: BoolProperty(
         name="Mute",

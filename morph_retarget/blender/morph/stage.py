@@ -1,6 +1,6 @@
 """Reading what characters are told at a moment: values of channels and places of targets."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import bpy
 import numpy as np
@@ -9,15 +9,19 @@ from ...core import play, quat
 from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.morph.channels import TargetKind, Values
+from .. import actions
+from ..actions import CurveMap
 from ..properties import of_rig
 from ..rig import pose_of
-from . import cast
+from . import cast, keys
 from .cast import Member
 
 
 def values_of(member: Member, ob: bpy.types.Object) -> Values:
     """Return the values of all channels as they are on an object, original or evaluated; a batch of one frame."""
     items = of_rig(ob).channels
+    if any(channel.name not in items for channel in member.definition.channels):
+        items = of_rig(member.rig.object).channels  # an evaluated copy may be older than a channel
     count = len(items)
     place = {item.name: i for i, item in enumerate(items)}
     rows = [place[c.name] for c in member.definition.channels]
@@ -37,6 +41,32 @@ def values_of(member: Member, ob: bpy.types.Object) -> Values:
         weights.astype(np.float64).reshape(1, count)[:, rows],
         deforms,
     )
+
+
+def values_over(member: Member, ob: bpy.types.Object, frames: Array) -> Values:
+    """Return the values of all channels at ``frames``, from the action's curves; what is not keyed stays as it is."""
+    found, items = keys.curves(member.action), of_rig(ob).channels
+    count, channels = len(frames), member.definition.channels
+    positions, rotations = np.empty((count, len(channels), 3)), np.empty((count, len(channels), 4))
+    weights = np.empty((count, len(channels)))
+    deforms: dict[tuple[int, str], Array] = {}
+    for i, channel in enumerate(channels):
+        item, name = items[channel.name], channel.name
+        positions[:, i] = _sampled(found, keys.path(name, "position"), frames, item.position)
+        rotations[:, i] = quat.normalize(_sampled(found, keys.path(name, "rotation"), frames, item.rotation))
+        weight = _sampled(found, keys.path(name, "weight"), frames, [item.weight])[:, 0]
+        weights[:, i] = np.clip(weight, 0.0, 1.0)  # as Blender keeps a property within its limits
+        for deform in item.deforms:
+            path = keys.deform_path(name, deform.name)
+            deforms[i, deform.name] = _sampled(found, path, frames, [deform.value])[:, 0]
+    return Values(positions, rotations, weights, deforms)
+
+
+def _sampled(found: CurveMap, path: str, frames: Array, now: Sequence[float]) -> Array:
+    """Return a property at ``frames``, shape (frame, n), as it is now where nothing animates it."""
+    values = np.array(now, dtype=np.float64)
+    sampled = actions.sample_vector(found, path, frames, values)
+    return np.broadcast_to(values, (len(frames), len(values))) if sampled is None else sampled
 
 
 def targets_of(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Mapping[int, Array]:

@@ -1,6 +1,6 @@
 """Everything that buttons and scripts can do; each operator is thin: collect, one call, write, one report."""
 
-from . import contacts, joints, live, presets, retargeting, rigs
+from . import channel_list, contacts, generalized, joints, keying, live, presets, retargeting, rigs, selecting
 
 CLASSES = (
     *rigs.CLASSES,
@@ -9,4 +9,8 @@ CLASSES = (
     *contacts.CLASSES,
     *live.CLASSES,
     *retargeting.CLASSES,
+    *generalized.CLASSES,
+    *channel_list.CLASSES,
+    *selecting.CLASSES,
+    *keying.CLASSES,
 )

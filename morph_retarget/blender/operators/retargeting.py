@@ -1,21 +1,17 @@
 """Retargeting with progress, cancel and one step of undo."""
 
-import time
 from collections.abc import Generator
 from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ...core.errors import MorphError
 from .. import actions, collect, live, retarget
 from ..collect import Clips
 from ..properties import of_rig, of_scene
 from ..retarget import Outcome
-from .manners import Status, pair_poll, reporting, scene_in
-
-SLICE = 0.05
-"""The window is served at least this often [s]."""
+from .manners import Status, pair_poll, scene_in
+from .stepping import Stepping
 
 latest: dict[int, dict[str, Any]] = {}
 """Report of each target's last retarget, by session-wide number."""
@@ -58,89 +54,33 @@ def steps(
     return done
 
 
-class MORPHRETARGET_OT_retarget(bpy.types.Operator):
+class MORPHRETARGET_OT_retarget(Stepping, bpy.types.Operator):
     bl_idname = "morph_retarget.retarget"
     bl_label = "Retarget"
     bl_description = "Give the target the source's motion as a new action; its old action is kept as it is"
     bl_options = {"REGISTER", "UNDO"}
+    doing = "Retargeting"
 
     source: StringProperty(name="Source", description="Armature object; the panel's source when empty")
     target: StringProperty(name="Target", description="Armature object; the panel's target when empty")
     action: StringProperty(name="Action", description="Action of the source; the one that it plays when empty")
     all_actions: BoolProperty(name="All Actions", description="Retarget every action that moves the source")
 
-    _work: Generator[float, None, list[Outcome]]
-    _timer: bpy.types.Timer
     _target: bpy.types.Object
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return pair_poll(cls, context)
 
-    def _start(self, context: bpy.types.Context) -> None:
+    def start(self, context: bpy.types.Context) -> Generator[float, None, list[Outcome]]:
         scene = scene_in(context)
         settings = of_scene(scene)
         source = collect.chosen(self.source, settings.source, "source")
         self._target = collect.chosen(self.target, settings.target, "target")
         clips = collect.actions_of(source, self.action, self.all_actions or settings.all_actions)
-        self._work = steps(scene, source, self._target, clips)
+        return steps(scene, source, self._target, clips)
 
-    @reporting
-    def execute(self, context: bpy.types.Context) -> Status:
-        self._start(context)
-        return self._finish(retarget.run(self._work))
-
-    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
-        return self._begin(context)
-
-    @reporting
-    def _begin(self, context: bpy.types.Context) -> Status:
-        self._start(context)
-        window = context.window_manager
-        assert window is not None, "operators are invoked in a window"
-        window.progress_begin(0.0, 1.0)
-        self._timer = window.event_timer_add(0.01, window=context.window)
-        window.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        if event.type == "ESC":
-            self._work.close()
-            self._leave(context)
-            self.report({"INFO"}, "Retargeting cancelled; nothing was changed")
-            return {"CANCELLED"}
-        if event.type != "TIMER":
-            return {"RUNNING_MODAL"}
-        return self._go_on(context)
-
-    def _go_on(self, context: bpy.types.Context) -> Status:
-        until, share = time.perf_counter() + SLICE, 0.0
-        try:
-            while time.perf_counter() < until:
-                share = next(self._work)
-        except StopIteration as end:
-            self._leave(context)
-            return self._finish(end.value)
-        except MorphError as error:
-            self._leave(context)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        window = context.window_manager
-        assert window is not None, "operators are invoked in a window"
-        window.progress_update(share)
-        if context.workspace is not None:
-            context.workspace.status_text_set(f"Retargeting: {share:.0%}   Esc: Cancel")
-        return {"RUNNING_MODAL"}
-
-    def _leave(self, context: bpy.types.Context) -> None:
-        window = context.window_manager
-        assert window is not None, "operators are invoked in a window"
-        window.event_timer_remove(self._timer)
-        window.progress_end()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-
-    def _finish(self, outcomes: list[Outcome]) -> Status:
+    def finish(self, _: bpy.types.Context, outcomes: list[Outcome]) -> Status:
         target = self._target
         if of_rig(target).live_source is not None:
             live.stop(target, clear=False)

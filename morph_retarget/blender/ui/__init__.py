@@ -1,5 +1,5 @@
 """What the window shows: the tab in the 3D viewport's sidebar."""
 
-from . import joint_list, panels
+from . import channel_panels, generalized, joint_list, panels
 
-CLASSES = (*joint_list.CLASSES, *panels.CLASSES)
+CLASSES = (*joint_list.CLASSES, *panels.CLASSES, *generalized.CLASSES, *channel_panels.CLASSES)

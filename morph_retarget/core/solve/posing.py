@@ -30,7 +30,7 @@ class BodyPose:
     places: Array
     """Of the leaders' joints [m], shape (frame, leader, 3)."""
     shift: Array
-    """How far the root moved from where its parents hold it [m], shape (frame, 3)."""
+    """How far the root moved from where its parents hold it, in their frame [m], shape (frame, 3)."""
     plan: "Plan"
 
     @cached_property
@@ -199,7 +199,7 @@ def solve(plan: Plan, goals: Goals) -> BodyPose:
     places = np.empty((frames, len(plan.order), 3))
     for i, leader in enumerate(plan.order):
         rotations[:, i], places[:, i] = state.rotation(leader), state.place(leader)
-    return BodyPose(rotations, places, np.broadcast_to(state.shift, (frames, 3)), plan)
+    return BodyPose(rotations, places, np.broadcast_to(state.shift_from_parent(), (frames, 3)), plan)
 
 
 class _State:
@@ -211,7 +211,8 @@ class _State:
         self.shift = np.zeros((1, 3))
         self._wanted = quat.to_matrix(goals.turns)
         self._whole = bool((goals.rotation_influence == 1.0).all())
-        self._rotations: dict[int, Array] = {}
+        # The body does not follow what happens to carry its root: a snake's head may.
+        self._rotations: dict[int, Array] = {plan.root: np.eye(3)[None]}
         self._places: dict[int, Array] = {}
 
     def take(self, step: Step) -> None:
@@ -220,7 +221,7 @@ class _State:
         influence = goals.position_influence[:, step.goal, None]
         if step.body == plan.root:
             self.shift = influence * (goals.positions[:, step.goal] - plan.rest[plan.root])
-        carried = self.rotation(plan.above[step.body])
+        carried = self.rotation(plan.root if step.body == plan.root else plan.above[step.body])
         if step.chain is not None:
             carried = self._reach(step, step.chain, influence)
             if step.level:
@@ -246,6 +247,15 @@ class _State:
         share = self.goals.rotation_influence[:, step.goal]
         wanted = self._wanted[:, step.goal]
         return wanted if self._whole or (share == 1.0).all() else _toward(carried, wanted, share)
+
+    def shift_from_parent(self) -> Array:
+        """Return how far the root moved from where its parents hold it, also where these turn, shape (frame or 1, 3)."""
+        plan, above = self.plan, self.plan.above[self.plan.root]
+        if above not in self._rotations:
+            return self.shift
+        turned = self.rotation(above)
+        held = self.place(above) + rotation.apply(turned, plan.rest[plan.root] - plan.rest[above])
+        return rotation.apply(rotation.transposed(turned), self.place(plan.root) - held)
 
     def rotation(self, leader: int) -> Array:
         """Return how a leader is turned, shape (frame or 1, 3, 3)."""

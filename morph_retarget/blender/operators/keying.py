@@ -1,0 +1,176 @@
+"""Keying channels, editing them as specialized curves, and changing what they are relative to."""
+
+import bpy
+from bpy.props import BoolProperty, StringProperty
+
+from ...core.errors import MotionError, RigError
+from .. import collect
+from ..morph import cast, keys, specialized
+from ..properties import of_rig
+from .manners import Status, refuse, reporting, scene_in
+
+
+def _performer(context: bpy.types.Context, name: str) -> bpy.types.Object:
+    """Return the character that is meant: a named one, or the active one.
+
+    Raises:
+        RigError: It is no armature, or plays no generalized action.
+    """
+    ob = collect.armature(name, "character") if name else context.object
+    if ob is None or cast.action_of(ob) is None:
+        raise RigError(f"{ob.name if ob else 'nothing'!r} plays no generalized action: add it to one first")
+    return ob
+
+
+def _plays(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    if context.scene is None or not cast.performers(context.scene):
+        return refuse(cls, "No character in the scene plays a generalized action")
+    return True
+
+
+class _OfChannel:
+    """What operators on one channel of one character ask for."""
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    channel: StringProperty(name="Channel", description="Channel of its action; the active one when empty")
+
+
+class MORPHRETARGET_OT_key_channel(_OfChannel, bpy.types.Operator):
+    bl_idname = "morph_retarget.key_channel"
+    bl_label = "Key Channel"
+    bl_description = "Insert keys for the values of a channel at the present frame"
+    bl_options = {"REGISTER", "UNDO"}
+
+    position: BoolProperty(name="Position", description="Key the position", default=True)
+    rotation: BoolProperty(name="Rotation", description="Key the rotation", default=True)
+    weight: BoolProperty(name="Weight", description="Key the weight")
+    deforms: BoolProperty(name="Deforms", description="Key the deforms")
+    all_channels: BoolProperty(name="All Channels", description="Key all channels of the action")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _plays(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _performer(context, self.character)
+        action = cast.action_of(ob)
+        assert action is not None, "performers play one"
+        wanted = [part for part in (*keys.PARTS, "deforms") if getattr(self, part)]
+        if not wanted:
+            raise MotionError("nothing is chosen to be keyed: choose position, rotation, weight or deforms")
+        names = (
+            [c.name for c in cast.member(ob).definition.channels]
+            if self.all_channels
+            else [keys.channel_named(action, self.channel).name]
+        )
+        for name in names:
+            keys.insert(ob, name, wanted, scene_in(context).frame_current_final)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_rest_channel(_OfChannel, bpy.types.Operator):
+    bl_idname = "morph_retarget.rest_channel"
+    bl_label = "Rest"
+    bl_description = "Put a channel's position and rotation back to rest on all characters of the action"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _plays(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _performer(context, self.character)
+        action = cast.action_of(ob)
+        assert action is not None, "performers play one"
+        name = keys.channel_named(action, self.channel).name
+        item = of_rig(ob).channels[name]
+        item.position, item.rotation = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_edit_specialized(_OfChannel, bpy.types.Operator):
+    bl_idname = "morph_retarget.edit_specialized"
+    bl_label = "Edit as Specialized Curves"
+    bl_description = (
+        "Show the active body's own location and rotation as curves in the Graph Editor; "
+        "what is reshaped there goes back into the channel's keys"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _plays(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _performer(context, self.character)
+        action = cast.action_of(ob)
+        assert action is not None, "performers play one"
+        empty = specialized.start(ob, keys.channel_named(action, self.channel).name)
+        layer = context.view_layer
+        assert layer is not None, "operators run in a window with a scene"
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        for other in context.selected_objects:
+            other.select_set(False)
+        empty.select_set(True)
+        layer.objects.active = empty
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_finish_specialized(bpy.types.Operator):
+    bl_idname = "morph_retarget.finish_specialized"
+    bl_label = "Finish Specialized Curves"
+    bl_description = "Put the reshaped curves into the channel's keys and remove the stand-in"
+    bl_options = {"REGISTER", "UNDO"}
+
+    stand_in: StringProperty(name="Stand-in", description="Its empty object; the active one when empty")
+
+    @classmethod
+    def poll(cls, _: bpy.types.Context) -> bool:
+        found = any(of_rig(ob).stands_for is not None for ob in bpy.data.objects)
+        return found or refuse(cls, "No channel is edited as specialized curves")
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        empty = bpy.data.objects.get(self.stand_in) if self.stand_in else context.object
+        if empty is None or of_rig(empty).stands_for is None:
+            raise MotionError("the active object is no stand-in: select the empty of the specialized curves")
+        ob = of_rig(empty).stands_for
+        specialized.finish(empty)
+        ob.select_set(True)
+        layer = context.view_layer
+        assert layer is not None, "operators run in a window with a scene"
+        layer.objects.active = ob
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_KS_channels(bpy.types.KeyingSetInfo):
+    """Keys the generalized values of the characters' active channels."""
+
+    bl_idname = "MORPHRETARGET_KS_channels"
+    bl_label = "Generalized Channels"
+    bl_description = "Position and rotation of the channels that pose the selected bones, or of the active channel"
+
+    def poll(self, context: bpy.types.Context) -> bool:
+        return context.object is not None and cast.action_of(context.object) is not None
+
+    def iterator(self, context: bpy.types.Context, keying_set: bpy.types.KeyingSet) -> None:
+        if context.object is not None:
+            self.generate(context, keying_set, context.object)
+
+    def generate(self, _: bpy.types.Context, keying_set: bpy.types.KeyingSet, data: bpy.types.Object) -> None:
+        for name in keys.channels_in_hand(data):
+            for part in ("position", "rotation"):
+                keying_set.paths.add(data, keys.path(name, part), index=-1, group_method="NAMED", group_name=name)
+
+
+CLASSES = (
+    MORPHRETARGET_OT_key_channel,
+    MORPHRETARGET_OT_rest_channel,
+    MORPHRETARGET_OT_edit_specialized,
+    MORPHRETARGET_OT_finish_specialized,
+    MORPHRETARGET_KS_channels,
+)

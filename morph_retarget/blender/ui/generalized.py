@@ -1,0 +1,190 @@
+"""The panel of a generalized action: which one, who plays it, and its channels."""
+
+# The stubs take every layout and every operator button for optional.
+# pyright: reportOptionalMemberAccess=false, reportArgumentType=false
+
+from typing import Any
+
+import bpy
+
+from ...core.character.morphology import Capability
+from ..morph import cast, query
+from ..morph.properties import MORPHRETARGET_PG_channel, of_action
+from ..operators.generalized import generalized_actions
+from ..properties import of_rig, of_scene
+from .panels import _InTab as InTab
+from .panels import _say as say
+
+_TYPES: dict[str, Any] = {
+    Capability.ROOT: "EMPTY_AXIS",
+    Capability.SPINE: "CON_SPLINEIK",
+    Capability.NECK: "CON_SPLINEIK",
+    Capability.HEAD: "USER",
+    Capability.MOUTH: "USER",
+    Capability.EYE: "HIDE_OFF",
+    Capability.EAR: "SPEAKER",
+    Capability.GRASPER: "VIEW_PAN",
+    Capability.FOOT: "CON_FLOOR",
+    Capability.LIMB: "CON_KINEMATIC",
+    Capability.TAIL: "FORCE_CURVE",
+    Capability.WING: "FORCE_WIND",
+    Capability.FIN: "MOD_OCEAN",
+    Capability.FINGER: "BONE_DATA",
+}
+_SCALES: dict[str, Any] = {"creature_size": "CON_SIZELIKE", "limb_length": "DRIVER_DISTANCE"}
+_TARGETS: dict[str, Any] = {"context": "GROUP_BONE", "external": "OBJECT_DATA"}
+
+
+def mode_icons(channel: MORPHRETARGET_PG_channel) -> list[Any]:
+    """Return the icons that tell how a channel moves."""
+    aimed = channel.target in _TARGETS
+    wanted = {
+        "WORLD": "absolute" in (channel.position, channel.rotation),
+        _SCALES.get(channel.scale, ""): channel.scale in _SCALES,
+        "CON_FLOOR": channel.ground_relative,
+        "MOD_MIRROR": channel.sagittal_relative,
+        "CON_TRACKTO": aimed and (channel.secondary_relative or channel.look_at),
+        _TARGETS.get(channel.target, ""): aimed,
+        "MOD_ARRAY": channel.varies,
+    }
+    return [name for name, shown in wanted.items() if shown]
+
+
+class MORPHRETARGET_UL_channels(bpy.types.UIList):
+    """Channels with what they select on the active character."""
+
+    bl_idname = "MORPHRETARGET_UL_channels"
+
+    def draw_item(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: Any,
+        _icon: int | None,
+        _active_data: Any,
+        _active_property: str | None,
+        index: int = 0,
+        *_: Any,
+    ) -> None:
+        split = layout.split(factor=0.55)
+        split.prop(item, "name", text="", emboss=False, icon=_TYPES.get(item.context.capability, "BONE_DATA"))
+        row = split.row(align=True)
+        row.alignment = "RIGHT"
+        for name in mode_icons(item):
+            row.label(text="", icon=name)
+        ob = query.active_character(context)
+        member = query.member_now(ob) if ob is not None else None
+        if member is not None and member.action == item.id_data and index < len(member.part.binding.selected):
+            count = len(member.part.binding.selected[index])
+            row.label(text=str(count) if count else "", icon="NONE" if count else "ERROR")
+
+
+class MORPHRETARGET_MT_actions(bpy.types.Menu):
+    bl_idname = "MORPHRETARGET_MT_actions"
+    bl_label = "Generalized Actions"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, ob = self.layout, query.active_character(context)
+        name = ob.name if ob is not None else ""
+        found = generalized_actions()
+        for action in found:
+            button = layout.operator("morph_retarget.add_character", text=action.name, icon="ACTION", translate=False)
+            button.action, button.character = action.name, name
+        if not found:
+            layout.label(text="No generalized actions yet")
+        movements = sorted({of_action(action).movement for action in found} - {""})
+        if movements:
+            layout.separator()
+            layout.label(text="The Branch That Fits")
+        for movement in movements:
+            button = layout.operator("morph_retarget.play_movement", text=movement, icon="NLA", translate=False)
+            button.movement, button.character = movement, name
+        if ob is not None and cast.action_of(ob) is not None:
+            layout.separator()
+            layout.operator("morph_retarget.remove_character", text="None", icon="X").character = name
+
+
+class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
+    bl_idname = "MORPHRETARGET_PT_generalized"
+    bl_label = "Generalized Action"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, ob = self.layout, query.active_character(context)
+        action = cast.action_of(ob) if ob is not None else None
+        row = layout.row(align=True)
+        if ob is None or action is None:
+            row.menu("MORPHRETARGET_MT_actions", text="Choose", icon="ACTION")
+            row.operator("morph_retarget.new_action", text="New", icon="ADD")
+            name = ob.name if ob is not None else "The active object"
+            say(layout, f"{name} plays no generalized action", "INFO", context)
+            return
+        row.menu("MORPHRETARGET_MT_actions", text="", icon="ACTION")
+        row.prop(action, "name", text="")
+        row.prop(action, "use_fake_user", text="")
+        row.operator("morph_retarget.new_action", text="", icon="ADD")
+        self._draw_characters(context, layout, action, ob)
+        self._draw_channels(layout, action)
+        assert context.scene is not None, "the viewport shows a scene"
+        layout.prop(of_scene(context.scene), "show_paths")
+
+    def _draw_characters(
+        self,
+        context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        action: bpy.types.Action,
+        active: bpy.types.Object,
+    ) -> None:
+        assert context.scene is not None, "the viewport shows a scene"
+        row = layout.row()
+        row.label(text="Characters")
+        row.operator("morph_retarget.add_character", text="Add Selected", icon="ADD").action = action.name
+        box = layout.box().column(align=True)
+        for ob in cast.playing(context.scene, action):
+            split = box.split(factor=0.5)
+            name = split.row()
+            name.alignment = "LEFT"
+            icon = "RADIOBUT_ON" if ob == active else "RADIOBUT_OFF"
+            button = name.operator(
+                "morph_retarget.activate_character", text=ob.name, icon=icon, emboss=False, translate=False
+            )
+            button.character = ob.name
+            row = split.row(align=True)
+            row.alignment = "RIGHT"
+            _draw_variant(row, ob)
+            row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
+            row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
+            for text in cast.tell(ob) if query.is_ready(ob) else ():
+                say(box, text, "ERROR", context)
+
+    def _draw_channels(self, layout: bpy.types.UILayout, action: bpy.types.Action) -> None:
+        own = of_action(action)
+        layout.label(text="Channels")
+        row = layout.row()
+        row.template_list("MORPHRETARGET_UL_channels", "", own, "channels", own, "active_channel", rows=5)
+        column = row.column(align=True)
+        column.operator("morph_retarget.add_channel", text="", icon="ADD").action = action.name
+        remove = column.column(align=True)
+        remove.enabled = len(own.channels) > 1
+        remove.operator("morph_retarget.remove_channel", text="", icon="REMOVE").action = action.name
+        column.separator()
+        column.operator("morph_retarget.duplicate_channel", text="", icon="DUPLICATE").action = action.name
+        for direction in ("UP", "DOWN"):
+            button = column.operator("morph_retarget.move_channel", text="", icon=f"TRIA_{direction}")
+            button.action, button.direction = action.name, direction
+
+
+def _draw_variant(row: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    """Draw which variant a character plays, where there are several."""
+    member = query.member_now(ob)
+    if member is None or len(member.part.binding.variants) < 2:
+        return
+    binding = member.part.binding
+    for choice, icon in (("PREVIOUS", "TRIA_LEFT"), ("NEXT", "TRIA_RIGHT"), ("NEAREST", "PIVOT_CURSOR")):
+        button = row.operator("morph_retarget.choose_variant", text="", icon=icon, emboss=False)
+        button.character, button.choice = ob.name, choice
+        if choice == "PREVIOUS":
+            row.label(text=f"{binding.variant + 1} of {len(binding.variants)}")
+
+
+CLASSES = (MORPHRETARGET_UL_channels, MORPHRETARGET_MT_actions, MORPHRETARGET_PT_generalized)
