@@ -33,8 +33,9 @@ def _on_load(*_: object) -> None:
 
 
 @persistent
-def _on_undo(*_: object) -> None:
+def _on_undo(scene: bpy.types.Scene, *_: object) -> None:
     _forget()
+    perform.show_frame(scene)  # the step may have kept a bone where it was dragged
 
 
 @persistent

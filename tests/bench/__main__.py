@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import core, length, live, mapping, mesh, retarget, transfer
+from . import core, length, live, mapping, mesh, perform, retarget, transfer
 from .figures import Figure, table
 
 BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
@@ -23,6 +23,7 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "mesh": mesh.run,
     "length": length.run,
     "live": live.run,
+    "perform": perform.run,
 }
 
 

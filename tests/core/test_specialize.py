@@ -72,7 +72,11 @@ def test_crossing_weights_lead_continuously_from_one_channel_to_the_other() -> N
     goals = _goals(binding, values)
     assert goals.bodies.tolist() == [1]
     assert np.allclose(goals.positions[:, 0], a + t[:, None] * (b - a))
-    assert quat.angle_between(goals.turns[:, 0], quat.slerp(quat.identity(1), turn, t)).max() < 1e-9
+    # The weighted mean of quaternions stays on the arc and hurries a little in its middle.
+    angles, whole = quat.angle_between(quat.IDENTITY, goals.turns[:, 0]), float(quat.angle_between(quat.IDENTITY, turn))
+    assert np.allclose(angles + quat.angle_between(goals.turns[:, 0], turn), whole)
+    assert (np.diff(angles) > 0.0).all()
+    assert np.abs(angles - t * whole).max() < 0.02 * whole
     assert np.allclose(goals.position_influence, 1.0)
     assert np.allclose(goals.rotation_influence, 1.0)
 

@@ -43,13 +43,18 @@ def _look() -> float | None:
     if scene is not None and _held:
         settle(scene)
         bpy.ops.ed.undo_push(message="Pose Generalized Channel")
+        for area in (area for window in _windows() if window.screen for area in window.screen.areas):
+            area.tag_redraw()
     return None
 
 
 def _dragging() -> bool:
+    return any(op.bl_idname.startswith("TRANSFORM_OT") for window in _windows() for op in window.modal_operators)
+
+
+def _windows() -> list[bpy.types.Window]:
     manager = bpy.context.window_manager
-    windows = manager.windows if manager is not None else ()
-    return any(op.bl_idname.startswith("TRANSFORM_OT") for window in windows for op in window.modal_operators)
+    return list(manager.windows) if manager is not None else []
 
 
 def settle(scene: bpy.types.Scene) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
+from .. import quat, rotation
 from ..arrays import Array, Flags, Indices
 from .bodies import FORWARD, LEFT, UP
 
@@ -59,8 +59,7 @@ class Aims:
         distance = quat.length(away)
         near = _smooth(distance / self.tiny)[..., None]
         direction = away / np.maximum(distance, 1e-12)[..., None]
-        turn = quat.between(FORWARD, FORWARD + near * (direction - FORWARD))
-        axes[:, self.aimed] = quat.to_matrix(turn) @ AHEAD
+        axes[:, self.aimed] = rotation.between(FORWARD, FORWARD + near * (direction - FORWARD)) @ AHEAD
         axes[:, self.aimed, 0] *= self.flip[:, None]
         stretched = np.maximum(distance, 0.1 * self.tiny)
         scale[:, self.aimed, 0] = np.where(self.only_turned, scale[:, self.aimed, 0], stretched)

@@ -7,7 +7,6 @@ from functools import cached_property
 import numpy as np
 
 from .. import quat
-from ..arrays import Indices
 from ..errors import listed
 from . import movement
 from .bodies import Bodies
@@ -78,14 +77,6 @@ class Binding:
         return replace(self, entries=tuple(e for e in self.entries if not channels[e.channel].has_target))
 
 
-@dataclass(frozen=True, eq=False)
-class Round:
-    """Entries that contribute to different goals, one to each."""
-
-    entries: Indices
-    goals: Indices
-
-
 class Plan:
     """A binding as arrays: prepared once, evaluated often."""
 
@@ -108,34 +99,26 @@ class Plan:
         mirrored = np.array([e.mirrored for e in entries], dtype=bool)
         self.frames = movement.frames(binding.bodies, self.body, [c.movement for c in own], mirrored)
         """Frames of the entries while targets are straight ahead."""
-        self.rest_axes = quat.conjugate(binding.bodies.axes[self.body])
-        """What takes the axes of each entry's body back from rest, shape (entry, 4)."""
+        away = quat.multiply(self.frames.base.rotations, quat.conjugate(binding.bodies.axes[self.body]))
+        self.base = movement.Base.of(away)
+        """What takes the orientations of the frames to turns from rest."""
         self.goals = np.array(sorted({e.body for e in entries}), dtype=np.intp)
         """Bodies that get a goal, shape (goal,)."""
         self.position_weights = np.array([c.position_weight for c in own])
         self.rotation_weights = np.array([c.rotation_weight for c in own])
-        place = {int(body): i for i, body in enumerate(self.goals)}
-        self.position_rounds = _rounds([e.position for e in entries], [place[e.body] for e in entries])
-        self.rotation_rounds = _rounds([e.rotation for e in entries], [place[e.body] for e in entries])
+        own_goal = np.array([e.body for e in entries], dtype=np.intp) == self.goals[:, None]
+        self.places = (own_goal & np.array([e.position for e in entries], dtype=bool)).astype(np.float64)
+        """1 where an entry has a share in the position of a goal, else 0, shape (goal, entry)."""
+        self.turns = (own_goal & np.array([e.rotation for e in entries], dtype=bool)).astype(np.float64)
+        """The same for rotations."""
+        first = {body: self.turns[i].argmax() for i, body in enumerate(self.goals.tolist())}
+        self.first = np.array([first[e.body] for e in entries], dtype=np.intp)
+        """For each entry the first that shares the rotation of its goal, shape (entry,)."""
 
     @property
     def follows_bodies(self) -> bool:
         """Whether something is posed relative to other bodies, which have to be posed before it."""
         return bool((self.target != NONE).any())
-
-
-def _rounds(wanted: Sequence[bool], goals: Sequence[int]) -> list[Round]:
-    """Return contributions to goals in the order of the entries, so that no goal stands twice in a round."""
-    rounds: list[list[tuple[int, int]]] = []
-    count: dict[int, int] = {}
-    for i, (goal, has) in enumerate(zip(goals, wanted, strict=True)):
-        if has:
-            turn = count.get(goal, 0)
-            count[goal] = turn + 1
-            if turn == len(rounds):
-                rounds.append([])
-            rounds[turn].append((i, goal))
-    return [Round(*np.array(pairs, dtype=np.intp).T) for pairs in rounds]
 
 
 def bind(

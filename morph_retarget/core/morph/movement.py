@@ -66,7 +66,8 @@ class Movement:
     """What matters about a movement; the settings layer, see the module."""
 
     position: PositionMode = PositionMode.REST_RELATIVE
-    """Absolute positions are the same place on every character: its rest pose is not that of the others."""
+    """Absolute positions are the same place on every character: its rest pose is not that of the others. With
+    LimbLength they are the same place in the reach of every limb, measured from the spine segment that carries it."""
     rotation: RotationMode = RotationMode.REST_RELATIVE
     """Absolute rotations are the same orientation of the body's own axes on every character."""
     scale: ScaleMode = ScaleMode.NONE
@@ -86,6 +87,28 @@ class Movement:
 
 
 @dataclass(frozen=True, eq=False)
+class Base:
+    """Rotations that come before others, most of which are often none."""
+
+    rotations: Array
+    """Shape (body, 4)."""
+    rows: Indices
+    """The bodies for which it is one, shape (n,)."""
+
+    @classmethod
+    def of(cls, rotations: Array) -> "Base":
+        """Return the base of rotations, shape (body, 4)."""
+        return cls(rotations, np.flatnonzero(quat.angle_between(rotations, quat.IDENTITY) > 1e-12))
+
+    def before(self, rotations: Array, back: bool = False) -> Array:
+        """Return rotations, shape (frame, body, 4), after the base, or without it (``back``); in place."""
+        if len(self.rows):
+            own = quat.conjugate(self.rotations[self.rows]) if back else self.rotations[self.rows]
+            rotations[:, self.rows] = quat.multiply(rotations[:, self.rows], own)
+        return rotations
+
+
+@dataclass(frozen=True, eq=False)
 class Frames:
     """The frames of some bodies in some movement modes, from which G and S follow.
 
@@ -101,8 +124,8 @@ class Frames:
     """Length along each axis for one unit [m], negative where an axis runs backward, shape (frame or 1, body, 3)."""
     lift: Array
     """Ratio of the scale of negative z to that of positive z, shape (body,)."""
-    base: Array
-    """Orientation that a rotation of identity means, before looking at a target, shape (body, 4)."""
+    base: "Base"
+    """Orientation that a rotation of identity means, before looking at a target."""
     mirrored: Flags
     """Shape (body,)."""
     aims: aim.Aims
@@ -135,7 +158,9 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
     flip = np.where(mirrored, -1.0, 1.0)
     rest = bodies.positions[chosen].copy()
     rest[:, 0] *= flip
-    origin, axes, scale, lift = _still(bodies, chosen, modes, rest)
+    starts = bodies.positions[bodies.spine_segments[chosen]].copy()
+    starts[:, 0] *= flip
+    origin, axes, scale, lift = _still(bodies, chosen, modes, rest, starts)
     origin[:, 0] *= flip
     aimed, looking = _where(m.secondary_relative for m in modes), _where(m.look_at for m in modes)
     aims = aim.Aims(
@@ -152,7 +177,7 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
     absolute = np.array([m.rotation is RotationMode.ABSOLUTE for m in modes], dtype=bool)
     base = np.where(absolute[:, None], quat.IDENTITY, bodies.axes[chosen])
     axes[:, 0, :] *= flip[:, None]
-    return Frames(origin[None], axes[None], scale[None], lift, base, mirrored, aims)
+    return Frames(origin[None], axes[None], scale[None], lift, Base.of(base), mirrored, aims)
 
 
 def _where(flags: Iterable[bool]) -> Indices:
@@ -160,16 +185,16 @@ def _where(flags: Iterable[bool]) -> Indices:
 
 
 def _still(
-    bodies: Bodies, chosen: Indices, modes: Sequence[Movement], rest: Array
+    bodies: Bodies, chosen: Indices, modes: Sequence[Movement], rest: Array, starts: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """Return origins, axes, scales and lifts without targets; ``rest`` is seen in the mirror."""
+    """Return origins, axes, scales and lifts without targets; ``rest`` and limbs' ``starts`` are seen in the mirror."""
     count, tiny = len(chosen), TINY * bodies.size
     limbs = bodies.limb_lengths[chosen]
     origin, axes = rest.copy(), np.tile(np.eye(3), (count, 1, 1))
     scale, lift = np.ones((count, 3)), np.ones(count)
     for i, mode in enumerate(modes):
         if mode.position is PositionMode.ABSOLUTE and not mode.secondary_relative:
-            origin[i] = 0.0
+            origin[i] = starts[i] if mode.scale is ScaleMode.LIMB_LENGTH else 0.0
         if mode.scale is ScaleMode.LIMB_LENGTH:
             scale[i] = limbs[i]
         elif mode.scale is ScaleMode.CREATURE_SIZE:
@@ -207,7 +232,7 @@ def specialize(found: Frames, positions: Array, rotations: Array) -> tuple[Array
     scaled = positions * found.scale
     scaled[..., 2] *= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
     places = found.origin + np.einsum("...ij,...j->...i", found.axes, scaled)
-    turned = quat.multiply(reflected(rotations, found.mirrored), found.base)
+    turned = found.base.before(reflected(rotations, found.mirrored))
     return places, turned if found.gaze is None else found.gaze.applied(turned)
 
 
@@ -218,5 +243,4 @@ def generalize(found: Frames, places: Array, turned: Array) -> tuple[Array, Arra
     positions[..., 2] /= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
     if found.gaze is not None:
         turned = found.gaze.applied(turned, back=True)
-    rotations = reflected(quat.multiply(turned, quat.conjugate(found.base)), found.mirrored)
-    return positions, rotations
+    return positions, reflected(found.base.before(turned.copy(), back=True), found.mirrored)

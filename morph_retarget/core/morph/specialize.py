@@ -1,6 +1,7 @@
 """From generalized values to pose goals: S on every body that a channel poses, blended where channels share one."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,13 +9,12 @@ from .. import quat
 from ..arrays import Array
 from ..solve.goals import Goals
 from . import movement
-from .bind import NONE, Binding, Round
+from .bind import NONE, Binding
 from .channels import Values
 from .movement import Frames
 
 Deforms = Mapping[tuple[int, str], Array]
 """Scalar curves by body and name of the deform, each of shape (frame,)."""
-_Mix = Callable[[Array, Array, Array], Array]
 
 
 def frames_of(binding: Binding, external: Mapping[int, Array], posed: Array | None = None) -> Frames:
@@ -51,16 +51,15 @@ def goals_of(binding: Binding, values: Values, found: Frames) -> Goals:
         found: From `frames_of`.
     """
     plan = binding.plan
-    places, turned = movement.specialize(found, values.positions[:, plan.channel], values.rotations[:, plan.channel])
-    turns = quat.multiply(turned, plan.rest_axes)
+    own = replace(found, base=plan.base)
+    places, turns = movement.specialize(own, values.positions[:, plan.channel], values.rotations[:, plan.channel])
     weights = np.maximum(values.weights[:, plan.channel], 0.0)
-    rest = binding.bodies.positions[plan.goals]
-    count = (len(places), len(plan.goals))
-    positions = np.broadcast_to(rest, (*count, 3)).copy()
-    moved = _blend(positions, places, weights * plan.position_weights, plan.position_rounds, _mixed)
-    rotations = quat.identity(*count)
-    rotated = _blend(rotations, turns, weights * plan.rotation_weights, plan.rotation_rounds, quat.slerp)
-    return Goals(plan.goals, positions, rotations, moved, rotated)
+    places, moved = _blended(places, weights * plan.position_weights, plan.places)
+    positions = np.where(moved[..., None] > 0.0, places, binding.bodies.positions[plan.goals])
+    # Of the two quaternions of a rotation, the one nearer to the first that shares the goal is blended.
+    turns = np.where(quat.dot(turns, turns[:, plan.first])[..., None] < 0.0, -turns, turns)
+    blended, turned = _blended(turns, weights * plan.rotation_weights, plan.turns)
+    return Goals(plan.goals, positions, quat.normalize(blended), np.minimum(moved, 1.0), np.minimum(turned, 1.0))
 
 
 def deforms_of(binding: Binding, values: Values) -> Deforms:
@@ -76,28 +75,13 @@ def deforms_of(binding: Binding, values: Values) -> Deforms:
     return {key: value / np.maximum(weight, 1.0) for key, (value, weight) in sums.items()}
 
 
-def _blend(out: Array, given: Array, weights: Array, rounds: Sequence[Round], mix: _Mix) -> Array:
-    """Fill goals with weighted blends and return how much each counts in all, shape (frame, goal).
+def _blended(given: Array, weights: Array, shares: Array) -> tuple[Array, Array]:
+    """Return weighted means and the sums of their weights, shapes (frame, goal, n) and (frame, goal).
 
     Args:
-        out: Goals, shape (frame, goal, n); those without contributions stay as they are.
         given: What the entries want, shape (frame, entry, n).
         weights: Shape (frame, entry).
-        rounds: Who contributes to what.
-        mix: Interpolates.
+        shares: 1 where an entry contributes to a goal, else 0, shape (goal, entry).
     """
-    total = np.zeros(out.shape[:2])
-    for i, step in enumerate(rounds):
-        own = weights[:, step.entries]
-        if i == 0:
-            out[:, step.goals], total[:, step.goals] = given[:, step.entries], own
-            continue
-        before = total[:, step.goals]
-        share = own / np.maximum(before + own, 1e-12)
-        out[:, step.goals] = mix(out[:, step.goals], given[:, step.entries], share)
-        total[:, step.goals] = before + own
-    return np.minimum(total, 1.0)
-
-
-def _mixed(a: Array, b: Array, share: Array) -> Array:
-    return a + share[..., None] * (b - a)
+    total = weights @ shares.T
+    return (shares @ (weights[..., None] * given)) / np.maximum(total, 1e-12)[..., None], total

@@ -82,7 +82,8 @@ def _positions(channel: Channel) -> list[str]:
     elif mode.secondary_relative:
         first = [f"position toward the target, x 0 at rest and 1 at the target, y and z {scale}"]
     elif mode.position is PositionMode.ABSOLUTE:
-        first = [f"position from the ground under the root, {scale}"]
+        limb = mode.scale is ScaleMode.LIMB_LENGTH
+        first = [f"position from {'where the limb begins' if limb else 'the ground under the root'}, {scale}"]
     else:
         first = [f"position from rest, {scale}"]
     if mode.sagittal_relative and not mode.secondary_relative:

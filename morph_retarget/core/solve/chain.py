@@ -27,6 +27,8 @@ MOST_STEPS = 4 * SAMPLES
 """The same where joints wait for each other."""
 WAITING = 0.05
 """A joint waits more and more when it helps less than this share of what the most helpful one does."""
+FLAT = 1e-4
+"""A chain does not curl up further when a bend shortens it by less than this share of its length: it would snap."""
 SOFT = 0.97
 """Share of a chain's length from which on it slows down toward goals that it cannot reach …"""
 FIRM = 0.999
@@ -161,9 +163,11 @@ def _falling(distances: Array, rest: int) -> Indices:
         if distances[bend] < distances[kept[-1]]:
             kept.append(bend)
         elif kept[-1] > rest:
-            # The shortest lies on either side of the last bend.
-            kept.pop()
+            # Near its shortest, a chain is not measured well between bends.
+            del kept[max(len(kept) - 2, kept.index(rest) + 1) :]
             break
+    while kept[-1] > rest and distances[kept[-2]] - distances[kept[-1]] < FLAT * distances[kept[0]]:
+        kept.pop()
     return np.array(kept, dtype=np.intp)
 
 

@@ -249,7 +249,7 @@ class _State:
         return wanted if self._whole or (share == 1.0).all() else _toward(carried, wanted, share)
 
     def shift_from_parent(self) -> Array:
-        """Return how far the root moved from where its parents hold it, also where these turn, shape (frame or 1, 3)."""
+        """Return how far the root moved from where its parents hold it, turned as they are, shape (frame or 1, 3)."""
         plan, above = self.plan, self.plan.above[self.plan.root]
         if above not in self._rotations:
             return self.shift
