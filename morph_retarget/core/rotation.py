@@ -9,11 +9,17 @@ from . import quat
 from .arrays import Array
 
 _OPPOSITE = 1e-9
+_LEVI_CIVITA: Array = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1)
 
 
 def apply(rotation: Array, vectors: Array) -> Array:
     """Return vectors turned, shape (..., 3)."""
     return np.matmul(rotation, vectors[..., None])[..., 0]
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Return cross products (for few at a time; see `quat.cross` for many)."""
+    return np.einsum("ijk,...j,...k->...i", _LEVI_CIVITA, a, b)
 
 
 def transposed(rotation: Array) -> Array:

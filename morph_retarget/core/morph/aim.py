@@ -27,11 +27,11 @@ class Aims:
     rest: Array
     """Their rest positions, seen in the mirror where they are mirrored [m], shape (aimed, 3)."""
     flip: Array
-    """-1 where they are mirrored, else 1, shape (aimed,)."""
+    """What takes them to the mirror and back: -1 along the lateral axis of mirrored ones, else 1, shape (aimed, 3)."""
+    flat: Array
+    """0 along the vertical of those whose frames only turn about it, else 1, shape (aimed, 3)."""
     only_turned: Flags
     """Whether the x axis keeps its scale, shape (aimed,)."""
-    level: Flags
-    """Whether the frame only turns about the vertical, shape (aimed,)."""
     looking: Indices
     """Bodies that look at a target, shape (looking,)."""
     forwards: Array
@@ -53,14 +53,12 @@ class Aims:
         axes, scale = np.repeat(axes, len(targets), axis=0), np.repeat(scale, len(targets), axis=0)
         if not len(self.aimed):
             return axes, scale
-        away = targets[:, self.aimed] * np.stack([self.flip, np.ones_like(self.flip), np.ones_like(self.flip)], axis=-1)
-        away = away - self.rest
-        away[..., 2] *= ~self.level
+        away = (targets[:, self.aimed] * self.flip - self.rest) * self.flat
         distance = quat.length(away)
         near = _smooth(distance / self.tiny)[..., None]
         direction = away / np.maximum(distance, 1e-12)[..., None]
-        axes[:, self.aimed] = rotation.between(FORWARD, FORWARD + near * (direction - FORWARD)) @ AHEAD
-        axes[:, self.aimed, 0] *= self.flip[:, None]
+        toward_it = rotation.between(FORWARD, FORWARD + near * (direction - FORWARD)) @ AHEAD
+        axes[:, self.aimed] = toward_it * self.flip[..., None]
         stretched = np.maximum(distance, 0.1 * self.tiny)
         scale[:, self.aimed, 0] = np.where(self.only_turned, scale[:, self.aimed, 0], stretched)
         return axes, scale
@@ -114,9 +112,9 @@ def toward(forward: Array, away: Array, tiny: float) -> Array:
     """
     distance = quat.length(away)
     direction = away / np.maximum(distance, 1e-12)[..., None]
-    axis = quat.cross(np.broadcast_to(forward, direction.shape), direction)
+    axis = rotation.cross(forward, direction)
     sine = quat.length(axis)
-    angle = np.arctan2(sine, quat.dot(np.broadcast_to(forward, direction.shape), direction))
+    angle = np.arctan2(sine, quat.dot(forward, direction))
     soft = FREE + (MOST - FREE) * np.tanh((angle - FREE) / (MOST - FREE))
     limited = np.where(angle > FREE, soft, angle)
     behind = np.clip((angle - 0.5 * np.pi) / (0.5 * np.pi), 0.0, 1.0)

@@ -90,6 +90,8 @@ class Plan:
         """Body of each entry."""
         self.target = np.array([e.target for e in entries], dtype=np.intp)
         """Body that is the target of each entry, NONE for external targets and none."""
+        self.follows_bodies = bool((self.target != NONE).any())
+        """Whether something is posed relative to other bodies, which have to be posed before it."""
         self.external = tuple(
             (i, e.channel)
             for i, (e, channel) in enumerate(zip(entries, own, strict=True))
@@ -114,11 +116,6 @@ class Plan:
         first = {body: self.turns[i].argmax() for i, body in enumerate(self.goals.tolist())}
         self.first = np.array([first[e.body] for e in entries], dtype=np.intp)
         """For each entry the first that shares the rotation of its goal, shape (entry,)."""
-
-    @property
-    def follows_bodies(self) -> bool:
-        """Whether something is posed relative to other bodies, which have to be posed before it."""
-        return bool((self.target != NONE).any())
 
 
 def bind(

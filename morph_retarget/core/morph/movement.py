@@ -163,16 +163,17 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
     origin, axes, scale, lift = _still(bodies, chosen, modes, rest, starts)
     origin[:, 0] *= flip
     aimed, looking = _where(m.secondary_relative for m in modes), _where(m.look_at for m in modes)
+    level = np.array([m.ground_relative for m in modes], dtype=bool)[aimed]
     aims = aim.Aims(
-        TINY * bodies.size,
-        aimed,
-        rest[aimed],
-        flip[aimed],
-        np.array([m.directional_only for m in modes], dtype=bool)[aimed],
-        np.array([m.ground_relative for m in modes], dtype=bool)[aimed],
-        looking,
-        bodies.forwards[chosen[looking]],
-        bodies.positions[chosen[looking]],
+        tiny=TINY * bodies.size,
+        aimed=aimed,
+        rest=rest[aimed],
+        flip=np.stack([flip[aimed], np.ones(len(aimed)), np.ones(len(aimed))], axis=-1),
+        flat=np.stack([np.ones(len(aimed)), np.ones(len(aimed)), 1.0 - level], axis=-1),
+        only_turned=np.array([m.directional_only for m in modes], dtype=bool)[aimed],
+        looking=looking,
+        forwards=bodies.forwards[chosen[looking]],
+        eyes=bodies.positions[chosen[looking]],
     )
     absolute = np.array([m.rotation is RotationMode.ABSOLUTE for m in modes], dtype=bool)
     base = np.where(absolute[:, None], quat.IDENTITY, bodies.axes[chosen])
