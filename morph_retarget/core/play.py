@@ -69,7 +69,7 @@ class Played:
     root: int
     """The bone that is moved."""
     shift: Array
-    """How far it moves from where its parents at rest hold it, armature space, shape (frame, 3)."""
+    """How far it moves from where its parents hold it, in their rest frame, armature space, shape (frame, 3)."""
     goals: Goals
     """What was asked for, character frame."""
     pose: BodyPose

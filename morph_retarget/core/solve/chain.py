@@ -111,7 +111,10 @@ class Chain:
         for joint in range(1, len(self.segments)):
             np.matmul(turns[:, joint - 1], own[:, joint], out=turns[:, joint])
             ends = ends + rotation.apply(turns[:, joint], self.segments[joint])
-        aim = rotation.between(ends, np.where(away[:, None] > 1e-9, goals, ends))
+        # Over the rest direction, so that only goals straight behind that are singular, whatever the bend.
+        rest = self.segments.sum(axis=0)
+        straight = rotation.between(ends, rest)
+        aim = np.matmul(rotation.between(rest, np.where(away[:, None] > 1e-9, goals, rest)), straight)
         return np.matmul(aim[:, None], turns), rotation.apply(aim, ends)
 
     def _reachable(self, away: Array) -> Array:
