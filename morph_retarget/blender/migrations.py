@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import bpy
 
+from .morph.properties import of_action
 from .properties import MORPHRETARGET_PG_scene, of_scene
 
 VERSION = 1
@@ -13,10 +14,14 @@ STEPS: Mapping[int, Callable[[MORPHRETARGET_PG_scene], None]] = {}
 
 
 def stamp() -> None:
-    """Mark all scenes with the present version."""
+    """Mark all scenes and generalized actions with the present version, except what a newer one has made."""
     for scene in bpy.data.scenes:
         if scene.library is None:
             of_scene(scene).version = VERSION
+    for action in bpy.data.actions:
+        own = of_action(action)
+        if action.library is None and len(own.channels):
+            own.version = max(own.version, VERSION)
 
 
 def upgrade() -> None:

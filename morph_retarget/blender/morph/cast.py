@@ -18,7 +18,7 @@ from ...core.play import Part
 from .. import actions, collect
 from ..properties import of_rig
 from ..rig import Rig, pose_of
-from . import definitions
+from . import definitions, keys
 from .properties import MORPHRETARGET_PG_values, of_action
 
 problems: dict[int, str] = {}
@@ -102,9 +102,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     rig, character, bodies = analysed(ob)
     ensure_values(ob, action)
     definition = definitions.read(action)
-    external = [c.has_target and c.target is TargetKind.EXTERNAL for c in definition.channels]
-    missing = {i for i, c in enumerate(definition.channels) if external[i] and not has_target(own.channels[c.name])}
-    binding = bind(definition, bodies, own.variant, missing)
+    binding = bind(definition, bodies, own.variant, missing(ob, definition))
     found = Member(
         rig,
         action,
@@ -114,6 +112,13 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     )
     _members[ob.session_uid] = (state, found)
     return found
+
+
+def missing(ob: bpy.types.Object, definition: GeneralizedAction) -> set[int]:
+    """Return the channels whose external target is not there on an armature."""
+    items = of_rig(ob).channels
+    external = [c.has_target and c.target is TargetKind.EXTERNAL for c in definition.channels]
+    return {i for i, c in enumerate(definition.channels) if external[i] and not has_target(items[c.name])}
 
 
 def has_target(values: MORPHRETARGET_PG_values) -> bool:
@@ -127,11 +132,14 @@ def has_target(values: MORPHRETARGET_PG_values) -> bool:
 
 
 def ensure_values(ob: bpy.types.Object, action: bpy.types.Action) -> None:
-    """Give an armature a place for the values of each channel."""
+    """Give an armature a place for the values of each channel, and for those of the deforms that are keyed."""
     own = of_rig(ob).channels
     for item in of_action(action).channels:
         if item.name not in own:
             own.add().name = item.name
+        for deform in keys.deforms_of(action, item.name):
+            if deform not in own[item.name].deforms:
+                own[item.name].deforms.add().name = deform
 
 
 def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
@@ -145,7 +153,10 @@ def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
     slot = next((slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}), None)
     if slot is None:
         slot = action.slots.new(id_type="OBJECT", name="Characters")
+    before, _ = actions.assigned(ob)
     actions.play(ob, action, slot)
+    if before is not None and before.users == 0:
+        before.use_fake_user = True  # what nobody plays any more must still be saved
     for bone in pose_of(ob).bones:
         bone.matrix_basis.identity()  # what an earlier action left behind
     forget(ob)

@@ -13,7 +13,6 @@ from ...core.errors import MotionError
 from .. import actions
 from ..actions import CurveMap
 from ..properties import of_rig
-from . import cast
 from .properties import MORPHRETARGET_PG_channel, of_action
 
 PARTS = ("position", "rotation", "weight")
@@ -35,6 +34,13 @@ def path(channel: str, part: str) -> str:
 def deform_path(channel: str, deform: str) -> str:
     """Return the data path of a deform's value."""
     return f'{prefix(channel)}.deforms["{bpy.utils.escape_identifier(deform)}"].value'
+
+
+def deforms_of(action: bpy.types.Action, channel: str) -> list[str]:
+    """Return the deforms of a channel that an action keys."""
+    start, end = f'{prefix(channel)}.deforms["', '"].value'
+    paths = dict.fromkeys(path for path, _ in curves(action) if path.startswith(start) and path.endswith(end))
+    return [bpy.utils.unescape_identifier(path.removeprefix(start).removesuffix(end)) for path in paths]
 
 
 def slot_of(action: bpy.types.Action) -> bpy.types.ActionSlot | None:
@@ -145,25 +151,6 @@ def _named(numbered: str, ob: bpy.types.Object) -> tuple[str, str] | None:
     if int(match[2]) >= len(item.deforms):
         return None
     return item.name, deform_path(item.name, item.deforms[int(match[2])].name)
-
-
-def channels_in_hand(ob: bpy.types.Object) -> list[str]:
-    """Return the channels that pose the selected bones of a character, the active channel when there are none."""
-    action = cast.action_of(ob)
-    if action is None:
-        return []
-    own = of_action(action)
-    active = [own.channels[own.active_channel].name] if 0 <= own.active_channel < len(own.channels) else []
-    bones = {bone.name for bone in bpy.context.selected_pose_bones or [] if bone.id_data == ob}
-    if not bones:
-        return active
-    member = cast.member(ob)
-    names = [
-        member.definition.channels[e.channel].name
-        for e in member.part.binding.entries
-        if member.bodies.names[e.body] in bones
-    ]
-    return [name for name in dict.fromkeys(names) if name in active] or list(dict.fromkeys(names)) or active
 
 
 def channel_named(action: bpy.types.Action, name: str) -> MORPHRETARGET_PG_channel:

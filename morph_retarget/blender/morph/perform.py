@@ -20,6 +20,8 @@ from .generalize import Held
 from .shown import Shown
 
 _shown: dict[int, Shown] = {}
+_driven: dict[int, set[str]] = {}
+"""Bones of each character that were posed last; they go back to rest when nothing poses them any more."""
 _busy: list[bool] = []
 
 
@@ -75,9 +77,16 @@ def forget(ob: bpy.types.Object | None = None) -> None:
     """Drop what is shown; it is made anew when it is next needed."""
     if ob is None:
         _shown.clear()
+        _driven.clear()
         autokey.forget()
     else:
         _shown.pop(ob.session_uid, None)
+
+
+def release(ob: bpy.types.Object) -> None:
+    """Put the bones that a character's action has posed back to rest."""
+    pose.rest(ob, _driven.pop(ob.session_uid, set()))
+    forget(ob)
 
 
 def definition_changed(action: bpy.types.ID) -> None:
@@ -139,6 +148,9 @@ def _show_one(ob: bpy.types.Object, graph: bpy.types.Depsgraph, anew: bool, held
     played = play.evaluate(member.part, values, targets)
     hands_off = held.bones if held is not None and held.ob == ob else ()
     state = pose.show(member.rig, played, hands_off)
+    names = {member.rig.skeleton.names[bone] for bone in played.bones}
+    pose.rest(ob, _driven.get(ob.session_uid, set()) - names)
+    _driven[ob.session_uid] = names
     deforms.show(member, played)
     _shown[ob.session_uid] = Shown(member, inputs, values, targets, played, state)
 

@@ -64,6 +64,16 @@ def show(rig: Rig, played: Played, but: Collection[str] = ()) -> dict[str, Singl
     return now
 
 
+def rest(ob: bpy.types.Object, names: Collection[str]) -> None:
+    """Put bones back to rest, as far as they are still there."""
+    bones = pose_of(ob).bones
+    for name in names:
+        if name in bones:
+            bones[name].matrix_basis.identity()
+    if names:
+        ob.update_tag(refresh={"OBJECT"})
+
+
 def state(rig: Rig, names: Collection[str]) -> dict[str, Singles]:
     """Return properties of all bones as they are."""
     bones = pose_of(rig.object).bones

@@ -90,25 +90,47 @@ def choose_bones(ob: bpy.types.Object, names: Collection[str], first: str = "") 
     bones.active = bones.get(active)
 
 
-def show_in_pose_mode(context: bpy.types.Context, found: Sequence[bpy.types.Object]) -> None:
-    """Bring armatures into Pose mode together, the active one last if it is among them.
+def show_in_pose_mode(context: bpy.types.Context, found: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Bring armatures into Pose mode, together with those that are in it already; return all that are in it then.
 
     Raises:
-        RigError: One cannot be, or the window is in another mode that should be left first.
+        RigError: One is hidden, or the window is in another mode that should be left first.
     """
     layer = context.view_layer
     assert layer is not None, "operators run where there is a view layer"
     if context.mode not in {"OBJECT", "POSE"}:
         raise RigError("selecting bodies needs Object or Pose mode: leave the present mode first")
-    if all(ob.mode == "POSE" for ob in found):
-        return
     for ob in found:
         if not ob.visible_get():
             raise RigError(f"{ob.name!r} is hidden: show it first")
+    posed = [ob for ob in layer.objects if ob.mode == "POSE"]
+    together = list(dict.fromkeys([*found, *posed]))
+    if len(together) == len(posed):
+        return posed
     if context.mode == "POSE":
         bpy.ops.object.mode_set(mode="OBJECT")
-    if layer.objects.active not in found:
-        layer.objects.active = found[0]
+    if layer.objects.active not in together:
+        layer.objects.active = together[0]
     for ob in layer.objects:
-        ob.select_set(ob in found)
+        ob.select_set(ob in together)
     bpy.ops.object.mode_set(mode="POSE")
+    return together
+
+
+def channels_in_hand(ob: bpy.types.Object) -> list[str]:
+    """Return the channels that pose the selected bones of a character, the active channel when there are none."""
+    action = cast.action_of(ob)
+    if action is None:
+        return []
+    own = of_action(action)
+    active = [own.channels[own.active_channel].name] if 0 <= own.active_channel < len(own.channels) else []
+    bones = {bone.name for bone in bpy.context.selected_pose_bones or [] if bone.id_data == ob}
+    if not bones:
+        return active
+    member = cast.member(ob)
+    names = [
+        member.definition.channels[e.channel].name
+        for e in member.part.binding.entries
+        if member.bodies.names[e.body] in bones
+    ]
+    return [name for name in dict.fromkeys(names) if name in active] or list(dict.fromkeys(names)) or active

@@ -11,9 +11,11 @@ from ...core.morph import branch
 from ...core.morph.channels import Channel
 from ...core.morph.context import Context
 from ...core.morph.movement import Movement, ScaleMode
-from .. import actions, collect
-from ..morph import cast, definitions, query
+from .. import collect
+from ..morph import cast, definitions, perform, query
 from ..morph.properties import of_action
+from ..properties import of_rig
+from ..rig import scene_of
 from .manners import Status, refuse, reporting, scene_in
 
 FIRST = Channel("Graspers", Context(Capability.GRASPER), Movement(scale=ScaleMode.LIMB_LENGTH))
@@ -93,11 +95,20 @@ def let_play(characters: Sequence[bpy.types.Object], action: bpy.types.Action) -
     """
     for ob in characters:
         cast.analysed(ob)
+    scene = scene_of()
     for ob in characters:
-        before, _ = actions.assigned(ob)
         cast.add(ob, action)
-        if before is not None and before.users == 0:
-            before.use_fake_user = True
+        for other in cast.playing(scene, action):
+            _share_deforms(other, ob, action)
+
+
+def _share_deforms(old: bpy.types.Object, new: bpy.types.Object, action: bpy.types.Action) -> None:
+    """Give a character the deforms that another one has in the channels of an action."""
+    for item in of_action(action).channels:
+        there, here = of_rig(old).channels.get(item.name), of_rig(new).channels[item.name].deforms
+        for deform in there.deforms if there is not None else ():
+            if deform.name not in here:
+                here.add().name = deform.name
 
 
 def add_channel(context: bpy.types.Context, action: bpy.types.Action, wanted: Channel) -> None:
@@ -181,6 +192,7 @@ class MORPHRETARGET_OT_remove_character(bpy.types.Operator):
             raise RigError("none of these armatures plays a generalized action: select one that does")
         for ob in found:
             cast.remove(ob)
+            perform.release(ob)
         return {"FINISHED"}
 
 
@@ -200,8 +212,7 @@ class MORPHRETARGET_OT_activate_character(bpy.types.Operator):
         if not ob.visible_get():
             raise RigError(f"{ob.name!r} is hidden: show it first")
         if context.mode == "POSE":
-            posed = [other for other in layer.objects if other.mode == "POSE"]
-            query.show_in_pose_mode(context, [*posed, ob])
+            query.show_in_pose_mode(context, [ob])
         ob.select_set(True)
         layer.objects.active = ob
         return {"FINISHED"}

@@ -5,21 +5,9 @@ from bpy.props import BoolProperty, StringProperty
 
 from ...core.errors import MotionError, RigError
 from .. import collect
-from ..morph import cast, keys, specialized
+from ..morph import cast, keys, query, specialized
 from ..properties import of_rig
 from .manners import Status, refuse, reporting, scene_in
-
-
-def _performer(context: bpy.types.Context, name: str) -> bpy.types.Object:
-    """Return the character that is meant: a named one, or the active one.
-
-    Raises:
-        RigError: It is no armature, or plays no generalized action.
-    """
-    ob = collect.armature(name, "character") if name else context.object
-    if ob is None or cast.action_of(ob) is None:
-        raise RigError(f"{ob.name if ob else 'nothing'!r} plays no generalized action: add it to one first")
-    return ob
 
 
 def _plays(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
@@ -33,6 +21,19 @@ class _OfChannel:
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
     channel: StringProperty(name="Channel", description="Channel of its action; the active one when empty")
+
+    def meant(self, context: bpy.types.Context) -> tuple[bpy.types.Object, str]:
+        """Return the character and the name of the channel that are meant.
+
+        Raises:
+            RigError: It is no armature, or plays no generalized action.
+            MotionError: The action has no such channel.
+        """
+        ob = collect.armature(self.character, "character") if self.character else context.object
+        action = None if ob is None else cast.action_of(ob)
+        if ob is None or action is None:
+            raise RigError(f"{ob.name if ob else 'nothing'!r} plays no generalized action: add it to one first")
+        return ob, keys.channel_named(action, self.channel).name
 
 
 class MORPHRETARGET_OT_key_channel(_OfChannel, bpy.types.Operator):
@@ -53,17 +54,11 @@ class MORPHRETARGET_OT_key_channel(_OfChannel, bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _performer(context, self.character)
-        action = cast.action_of(ob)
-        assert action is not None, "performers play one"
+        ob, channel = self.meant(context)
         wanted = [part for part in (*keys.PARTS, "deforms") if getattr(self, part)]
         if not wanted:
             raise MotionError("nothing is chosen to be keyed: choose position, rotation, weight or deforms")
-        names = (
-            [c.name for c in cast.member(ob).definition.channels]
-            if self.all_channels
-            else [keys.channel_named(action, self.channel).name]
-        )
+        names = [c.name for c in cast.member(ob).definition.channels] if self.all_channels else [channel]
         for name in names:
             keys.insert(ob, name, wanted, scene_in(context).frame_current_final)
         return {"FINISHED"}
@@ -81,11 +76,8 @@ class MORPHRETARGET_OT_rest_channel(_OfChannel, bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _performer(context, self.character)
-        action = cast.action_of(ob)
-        assert action is not None, "performers play one"
-        name = keys.channel_named(action, self.channel).name
-        item = of_rig(ob).channels[name]
+        ob, channel = self.meant(context)
+        item = of_rig(ob).channels[channel]
         item.position, item.rotation = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
         return {"FINISHED"}
 
@@ -105,10 +97,7 @@ class MORPHRETARGET_OT_edit_specialized(_OfChannel, bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _performer(context, self.character)
-        action = cast.action_of(ob)
-        assert action is not None, "performers play one"
-        empty = specialized.start(ob, keys.channel_named(action, self.channel).name)
+        empty = specialized.start(*self.meant(context))
         layer = context.view_layer
         assert layer is not None, "operators run in a window with a scene"
         if context.mode != "OBJECT":
@@ -162,7 +151,7 @@ class MORPHRETARGET_KS_channels(bpy.types.KeyingSetInfo):
             self.generate(context, keying_set, context.object)
 
     def generate(self, _: bpy.types.Context, keying_set: bpy.types.KeyingSet, data: bpy.types.Object) -> None:
-        for name in keys.channels_in_hand(data):
+        for name in query.channels_in_hand(data):
             for part in ("position", "rotation"):
                 keying_set.paths.add(data, keys.path(name, part), index=-1, group_method="NAMED", group_name=name)
 

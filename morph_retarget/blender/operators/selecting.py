@@ -4,17 +4,12 @@ from dataclasses import fields
 from typing import Any
 
 import bpy
-import numpy as np
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import MotionError, RigError
-from ...core.morph.bind import NONE, Binding, bind
-from ...core.morph.channels import TargetKind
-from ...core.morph.context import TIE, Context
-from ...core.morph.variants import nearest
+from ...core.morph.context import Context
 from .. import collect
-from ..morph import cast, definitions, keys, query, stage
-from ..morph.cast import Member
+from ..morph import cast, choice, definitions, keys, query
 from ..morph.properties import MORPHRETARGET_PG_context
 from ..properties import of_rig
 from .generalized import any_performer, performer_meant
@@ -58,10 +53,9 @@ class MORPHRETARGET_OT_select_bodies(_Query, bpy.types.Operator):
         if not count:
             what = f"channel {self.channel!r}" if self.use_channel and self.channel else "the context"
             raise RigError(f"{what} selects nothing on {', '.join(ob.name for ob in found)}: change the context")
-        query.show_in_pose_mode(context, list(found))
-        for ob, (names, first) in found.items():
-            query.choose_bones(ob, names, first)
-        self.report({"INFO"}, f"{count} bodies on {len(found)} characters")
+        for ob in query.show_in_pose_mode(context, list(found)):
+            query.choose_bones(ob, *found.get(ob, ((), "")))
+        self.report({"INFO"}, f"Bodies selected: {count}")
         return {"FINISHED"}
 
     def _found(self, context: bpy.types.Context) -> dict[bpy.types.Object, tuple[list[str], str]]:
@@ -127,44 +121,13 @@ class MORPHRETARGET_OT_choose_variant(bpy.types.Operator):
             raise MotionError(f"{member.action.name!r} has one way to play on {ob.name!r}: let a channel vary first")
         now = member.part.binding.variant
         if self.choice == "NEAREST":
-            chosen = _nearest(member, ob, context.evaluated_depsgraph_get())
+            chosen = choice.nearest_variant(member, ob, context.evaluated_depsgraph_get())
         else:
             chosen = {"NUMBER": self.variant, "NEXT": now + 1, "PREVIOUS": now - 1}[self.choice]
         if self.choice == "NUMBER" and chosen >= count:
             raise MotionError(f"there are {count} variants on {ob.name!r}: choose one from 0 to {count - 1}")
         of_rig(ob).variant = chosen % count
         return {"FINISHED"}
-
-
-def _nearest(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> int:
-    """Return the variant whose bodies are nearest to their targets at the present frame.
-
-    Raises:
-        MotionError: No channel that plays has a target.
-    """
-    external = stage.targets_of(member, ob, graph)
-    channels, bodies = member.definition.channels, member.bodies
-    outside = [i for i, c in enumerate(channels) if c.has_target and c.target is TargetKind.EXTERNAL]
-    missing = {i for i in outside if i not in external}
-
-    def ways(found: Binding) -> list[tuple[np.ndarray, np.ndarray]]:
-        aimed = [e for e in found.entries if channels[e.channel].has_target]
-        return [
-            (bodies.positions[e.body], external[e.channel][0] if e.target == NONE else bodies.positions[e.target])
-            for e in aimed
-            if e.position or e.rotation
-        ]
-
-    count = len(member.part.binding.variants)
-    found = [ways(bind(member.definition, bodies, variant, missing)) for variant in range(count)]
-    most = max(len(pairs) for pairs in found)
-    if not most:
-        raise MotionError("no channel has a target on this character: choose a variant by number")
-    both = np.full((count, most, 2, 3), np.nan)
-    for variant, pairs in enumerate(found):
-        for i, pair in enumerate(pairs):
-            both[variant, i] = pair
-    return nearest(both[:, :, 0], both[:, :, 1], TIE * bodies.size)
 
 
 CLASSES = (MORPHRETARGET_OT_select_bodies, MORPHRETARGET_OT_choose_variant)

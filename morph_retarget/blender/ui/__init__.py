@@ -1,5 +1,12 @@
 """What the window shows: the tab in the 3D viewport's sidebar."""
 
-from . import channel_panels, generalized, joint_list, panels
+from . import channel_binding, channel_panels, channel_values, generalized, joint_list, panels
 
-CLASSES = (*joint_list.CLASSES, *panels.CLASSES, *generalized.CLASSES, *channel_panels.CLASSES)
+CLASSES = (
+    *joint_list.CLASSES,
+    *panels.CLASSES,
+    *generalized.CLASSES,
+    *channel_panels.CLASSES,
+    *channel_values.CLASSES,
+    *channel_binding.CLASSES,
+)

@@ -1,24 +1,25 @@
-"""The panels of a generalized action's active channel: what it selects, how it moves, its values."""
+"""The panels of a generalized action's active channel: what it selects, how it moves, and relative to what."""
 
 # The stubs take every layout and every operator button for optional.
 # pyright: reportOptionalMemberAccess=false, reportArgumentType=false
 
+from collections.abc import Sequence
+
 import bpy
 
-from ...core.errors import MorphError
+from ...core.errors import MorphError, listed
 from ...core.morph import words
 from ...core.morph.channels import Channel
 from ..morph import cast, definitions, query
 from ..morph.properties import MORPHRETARGET_PG_channel, MORPHRETARGET_PG_context, MORPHRETARGET_PG_values, of_action
 from ..properties import of_rig
-from .panels import _InTab as InTab
-from .panels import _layout as split_layout
-from .panels import _say as say
+from .tab import InTab, say, split_layout
 
-_ANSWERS = ("upright_spine", "has_graspers", "has_feet", "has_mouth", "has_tail", "has_wings")
+FEW = 2
+"""So many bodies are called by their names."""
 
 
-class _OfChannel(InTab):
+class OfChannel(InTab):
     """A panel about the active channel of the active character's action."""
 
     bl_parent_id = "MORPHRETARGET_PT_generalized"
@@ -29,7 +30,7 @@ class _OfChannel(InTab):
         return ob is not None and query.active_channel(cast.action_of(ob)) is not None
 
 
-def _shown(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Action, MORPHRETARGET_PG_channel]:
+def shown(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Action, MORPHRETARGET_PG_channel]:
     """Return the character, its action and the channel that the panels are about."""
     ob = query.active_character(context)
     action = cast.action_of(ob) if ob is not None else None
@@ -38,7 +39,8 @@ def _shown(context: bpy.types.Context) -> tuple[bpy.types.Object, bpy.types.Acti
     return ob, action, item
 
 
-def _values(ob: bpy.types.Object, item: MORPHRETARGET_PG_channel) -> MORPHRETARGET_PG_values | None:
+def values_shown(ob: bpy.types.Object, item: MORPHRETARGET_PG_channel) -> MORPHRETARGET_PG_values | None:
+    """Return a character's values of a channel, None before it has a place for them."""
     return of_rig(ob).channels.get(item.name)
 
 
@@ -65,15 +67,16 @@ def _draw_context(layout: bpy.types.UILayout, item: MORPHRETARGET_PG_context) ->
     column.prop(item, "modifier")
 
 
-class MORPHRETARGET_PT_context(_OfChannel, bpy.types.Panel):
+class MORPHRETARGET_PT_context(OfChannel, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_context"
     bl_label = "Context"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, action, item) = split_layout(self), _shown(context)
+        layout, (_, action, item) = split_layout(self), shown(context)
         channel = _understood(layout, item, context)
         if channel is not None:
-            say(layout, f"Selects {words.context_in_words(channel.context)}", "RESTRICT_SELECT_OFF", context)
+            one = ", one at a time" if item.varies else ""
+            say(layout, f"Selects {words.context_in_words(channel.context)}{one}", "RESTRICT_SELECT_OFF", context)
         _draw_context(layout, item.context)
         assert context.scene is not None, "the viewport shows a scene"
         column = layout.column(align=True)
@@ -82,24 +85,29 @@ class MORPHRETARGET_PT_context(_OfChannel, bpy.types.Panel):
             place = of_action(action).channels.find(item.name)
             if member is None or place >= len(member.part.binding.selected):
                 continue
-            count = len(member.part.binding.selected[place])
+            names = [member.bodies.names[body] for body in member.part.binding.selected[place]]
             row = column.row(align=True)
-            row.enabled = count > 0
+            row.enabled = len(names) > 0
             button = row.operator(
                 "morph_retarget.select_bodies",
-                text=f"{other.name}: {count} {'body' if count == 1 else 'bodies'}",
-                icon="RESTRICT_SELECT_OFF" if count else "ERROR",
+                text=f"{other.name}: {_named(names)}",
+                icon="RESTRICT_SELECT_OFF" if names else "ERROR",
                 translate=False,
             )
             button.character, button.channel, button.use_channel = other.name, item.name, True
 
 
-class MORPHRETARGET_PT_movement(_OfChannel, bpy.types.Panel):
+def _named(names: Sequence[str]) -> str:
+    """Return a few bodies by name, more by number."""
+    return listed(names) if 0 < len(names) <= FEW else f"{len(names) or 'no'} bodies"
+
+
+class MORPHRETARGET_PT_movement(OfChannel, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_movement"
     bl_label = "Movement"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, action, item) = split_layout(self), _shown(context)
+        layout, (_, action, item) = split_layout(self), shown(context)
         channel = _understood(layout, item, context)
         if channel is None:
             return
@@ -120,7 +128,7 @@ class MORPHRETARGET_PT_movement(_OfChannel, bpy.types.Panel):
             ("secondary_relative", "Target"),
         ):
             _draw_mode(column, item, name, idle, text)
-        column = layout.column(heading="Target", align=True)
+        column = layout.column(heading="With Target", align=True)
         _draw_mode(column, item, "directional_only", idle)
         _draw_mode(column, item, "look_at", idle)
         layout.prop(of_action(action), "remap")
@@ -135,12 +143,12 @@ def _draw_mode(
     row.prop(item, name, text=text)
 
 
-class MORPHRETARGET_PT_target(_OfChannel, bpy.types.Panel):
+class MORPHRETARGET_PT_target(OfChannel, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_target"
     bl_label = "Target"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, (ob, _, item) = split_layout(self), _shown(context)
+        layout, (ob, _, item) = split_layout(self), shown(context)
         layout.prop(item, "target", text="Kind")
         channel = _understood(layout, item, context)
         if channel is None or item.target == "none":
@@ -151,7 +159,7 @@ class MORPHRETARGET_PT_target(_OfChannel, bpy.types.Panel):
         if item.target == "context":
             _draw_context(layout, item.secondary)
             return
-        values = _values(ob, item)
+        values = values_shown(ob, item)
         if values is None:
             return
         column = layout.column(align=True)
@@ -160,95 +168,4 @@ class MORPHRETARGET_PT_target(_OfChannel, bpy.types.Panel):
             column.prop_search(values, "target_bone", values.target.data, "bones", icon="BONE_DATA")
 
 
-class MORPHRETARGET_PT_values(_OfChannel, bpy.types.Panel):
-    bl_idname = "MORPHRETARGET_PT_values"
-    bl_label = "Values and Keys"
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, (ob, _, item) = split_layout(self), _shown(context)
-        values = _values(ob, item)
-        if values is None:
-            return
-        column = layout.column()
-        column.use_property_decorate = True
-        for name in ("position", "rotation"):
-            part = column.column()
-            part.active = getattr(item, f"poses_{name}")
-            part.prop(values, name)
-        column.prop(values, "weight")
-        for deform in values.deforms:
-            row = column.row(align=True)
-            row.prop(deform, "value", text=deform.name, translate=False)
-            row.operator("morph_retarget.remove_deform", text="", icon="X", emboss=False).name = deform.name
-        row = layout.row(align=True)
-        for name, text in (("key_channel", "Key"), ("rest_channel", "Rest")):
-            button = row.operator(
-                f"morph_retarget.{name}", text=text, icon="KEYINGSET" if name[0] == "k" else "LOOP_BACK"
-            )
-            button.character, button.channel = ob.name, item.name
-        row.operator("morph_retarget.add_deform", text="Deform", icon="ADD").channel = item.name
-        layout.prop_search(values, "active_body", ob.data, "bones", icon="BONE_DATA")
-        active = context.object
-        if active is not None and of_rig(active).stands_for is not None:
-            layout.operator("morph_retarget.finish_specialized", icon="CHECKMARK").stand_in = active.name
-            return
-        button = layout.operator("morph_retarget.edit_specialized", icon="FCURVE")
-        button.character, button.channel = ob.name, item.name
-
-
-class MORPHRETARGET_PT_blending(_OfChannel, bpy.types.Panel):
-    bl_idname = "MORPHRETARGET_PT_blending"
-    bl_label = "Blending"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, _, item) = split_layout(self), _shown(context)
-        layout.prop(item, "blend_group")
-        layout.prop(item, "priority")
-        column = layout.column(align=True)
-        column.prop(item, "position_weight")
-        column.prop(item, "rotation_weight")
-
-
-class MORPHRETARGET_PT_variants(_OfChannel, bpy.types.Panel):
-    bl_idname = "MORPHRETARGET_PT_variants"
-    bl_label = "Variants and Mirror"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, _, item) = split_layout(self), _shown(context)
-        layout.prop(item, "varies")
-        column = layout.column(align=True)
-        column.active = item.varies
-        column.prop(item, "variant_group")
-        column.prop(item, "variant_side")
-        layout.prop(item, "mirror")
-
-
-class MORPHRETARGET_PT_branch(_OfChannel, bpy.types.Panel):
-    bl_idname = "MORPHRETARGET_PT_branch"
-    bl_label = "Characters It Is For"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, action, _) = split_layout(self), _shown(context)
-        own = of_action(action)
-        column = layout.column(align=True)
-        for name in _ANSWERS:
-            column.prop(own, name)
-        column.prop(own, "leg_count")
-        layout.prop(own, "movement")
-        if own.movement:
-            row = layout.row()
-            row.operator("morph_retarget.play_movement", icon="NLA").movement = own.movement
-
-
-CLASSES = (
-    MORPHRETARGET_PT_context,
-    MORPHRETARGET_PT_movement,
-    MORPHRETARGET_PT_target,
-    MORPHRETARGET_PT_values,
-    MORPHRETARGET_PT_blending,
-    MORPHRETARGET_PT_variants,
-    MORPHRETARGET_PT_branch,
-)
+CLASSES = (MORPHRETARGET_PT_context, MORPHRETARGET_PT_movement, MORPHRETARGET_PT_target)

@@ -12,8 +12,7 @@ from ..morph import cast, query
 from ..morph.properties import MORPHRETARGET_PG_channel, of_action
 from ..operators.generalized import generalized_actions
 from ..properties import of_rig, of_scene
-from .panels import _InTab as InTab
-from .panels import _say as say
+from .tab import InTab, say
 
 _TYPES: dict[str, Any] = {
     Capability.ROOT: "EMPTY_AXIS",
@@ -37,12 +36,12 @@ _TARGETS: dict[str, Any] = {"context": "GROUP_BONE", "external": "OBJECT_DATA"}
 
 def mode_icons(channel: MORPHRETARGET_PG_channel) -> list[Any]:
     """Return the icons that tell how a channel moves."""
-    aimed = channel.target in _TARGETS
+    aimed, placed = channel.target in _TARGETS, channel.poses_position
     wanted = {
         "WORLD": "absolute" in (channel.position, channel.rotation),
-        _SCALES.get(channel.scale, ""): channel.scale in _SCALES,
-        "CON_FLOOR": channel.ground_relative,
-        "MOD_MIRROR": channel.sagittal_relative,
+        _SCALES.get(channel.scale, ""): placed and channel.scale in _SCALES,
+        "CON_FLOOR": placed and channel.ground_relative,
+        "MOD_MIRROR": placed and channel.sagittal_relative,
         "CON_TRACKTO": aimed and (channel.secondary_relative or channel.look_at),
         _TARGETS.get(channel.target, ""): aimed,
         "MOD_ARRAY": channel.varies,
@@ -141,7 +140,7 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
         row.operator("morph_retarget.add_character", text="Add Selected", icon="ADD").action = action.name
         box = layout.box().column(align=True)
         for ob in cast.playing(context.scene, action):
-            split = box.split(factor=0.5)
+            split = box.split(factor=0.45)
             name = split.row()
             name.alignment = "LEFT"
             icon = "RADIOBUT_ON" if ob == active else "RADIOBUT_OFF"
@@ -184,7 +183,7 @@ def _draw_variant(row: bpy.types.UILayout, ob: bpy.types.Object) -> None:
         button = row.operator("morph_retarget.choose_variant", text="", icon=icon, emboss=False)
         button.character, button.choice = ob.name, choice
         if choice == "PREVIOUS":
-            row.label(text=f"{binding.variant + 1} of {len(binding.variants)}")
+            row.label(text=f"{binding.variant + 1}/{len(binding.variants)}")
 
 
 CLASSES = (MORPHRETARGET_UL_channels, MORPHRETARGET_MT_actions, MORPHRETARGET_PT_generalized)

@@ -3,7 +3,6 @@
 # The stubs take every layout and every operator button for optional.
 # pyright: reportOptionalMemberAccess=false, reportArgumentType=false
 
-import textwrap
 from typing import Any
 
 import bpy
@@ -12,12 +11,7 @@ from .. import live, presets
 from ..operators.retargeting import latest
 from ..properties import MORPHRETARGET_PG_scene, of_rig, of_scene
 from .joint_list import icon
-
-
-class _InTab:
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Morph Retarget"
+from .tab import InTab, say, split_layout
 
 
 def _settings(context: bpy.types.Context) -> MORPHRETARGET_PG_scene:
@@ -25,28 +19,12 @@ def _settings(context: bpy.types.Context) -> MORPHRETARGET_PG_scene:
     return of_scene(context.scene)
 
 
-def _layout(panel: Any) -> bpy.types.UILayout:
-    layout = panel.layout
-    layout.use_property_split = True
-    layout.use_property_decorate = False
-    return layout
-
-
-def _say(layout: bpy.types.UILayout, text: str, icon_name: Any, context: bpy.types.Context) -> None:
-    """Write a sentence in as many lines as the sidebar needs."""
-    width = context.region.width if context.region is not None else 300
-    column = layout.column(align=True)
-    column.scale_y = 0.8
-    for i, line in enumerate(textwrap.wrap(text, max(int(width / 8), 20))):
-        column.label(text=line, icon=icon_name if i == 0 else "BLANK1", translate=False)
-
-
-class MORPHRETARGET_PT_main(_InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_main(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_main"
     bl_label = "Morph Retarget"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = _layout(self), _settings(context)
+        layout, settings = split_layout(self), _settings(context)
         row = layout.row(align=True)
         column = row.column(align=True)
         column.prop(settings, "source", icon="ARMATURE_DATA")
@@ -68,14 +46,14 @@ class MORPHRETARGET_PT_main(_InTab, bpy.types.Panel):
         self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: MORPHRETARGET_PG_scene
     ) -> None:
         if settings.source is None or settings.target is None:
-            _say(layout, "Choose the armature that moves and the one that shall move", "INFO", context)
+            say(layout, "Choose the armature that moves and the one that shall move", "INFO", context)
             return
         if settings.source == settings.target:
-            _say(layout, "Source and target are the same armature", "ERROR", context)
+            say(layout, "Source and target are the same armature", "ERROR", context)
             return
         data = settings.source.animation_data
         if data is None or data.action is None:
-            _say(layout, f"{settings.source.name} plays no action", "ERROR", context)
+            say(layout, f"{settings.source.name} plays no action", "ERROR", context)
             return
         layout.prop(settings, "all_actions")
         if not settings.all_actions:
@@ -92,7 +70,7 @@ class MORPHRETARGET_PT_main(_InTab, bpy.types.Panel):
             row.operator("morph_retarget.live_start", icon="PLAY")
         problem = live.problems.get(target.session_uid)
         if problem:
-            _say(layout, problem, "ERROR", context)
+            say(layout, problem, "ERROR", context)
 
     def _tell_result(self, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
         report = latest.get(target.session_uid)
@@ -108,7 +86,7 @@ class MORPHRETARGET_PT_main(_InTab, bpy.types.Panel):
         box.label(text=f"Bone directions {error['mean']:.1f}° off, at most {error['max']:.0f}°")
 
 
-class MORPHRETARGET_PT_joints(_InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_joints"
     bl_parent_id = "MORPHRETARGET_PT_main"
     bl_label = "Joints"
@@ -125,7 +103,7 @@ class MORPHRETARGET_PT_joints(_InTab, bpy.types.Panel):
         row.operator("morph_retarget.analyze", icon="VIEWZOOM").rig = ob.name
         row.menu("MORPHRETARGET_MT_presets", text="", icon="PRESET")
         if not rig.joints:
-            _say(
+            say(
                 layout, "Analyze shows what was found and lets you correct it; retargeting does it too", "INFO", context
             )
             return
@@ -184,14 +162,14 @@ class MORPHRETARGET_MT_delete_preset(bpy.types.Menu):
             self.layout.operator("morph_retarget.delete_preset", text=name, translate=False).name = name
 
 
-class MORPHRETARGET_PT_transfer(_InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_transfer(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_transfer"
     bl_parent_id = "MORPHRETARGET_PT_main"
     bl_label = "Transfer"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = _layout(self), _settings(context)
+        layout, settings = split_layout(self), _settings(context)
         column = layout.column(align=True)
         column.prop(settings, "reference")
         if settings.reference == "frame":
@@ -202,7 +180,7 @@ class MORPHRETARGET_PT_transfer(_InTab, bpy.types.Panel):
         layout.prop(settings, "reach_hands")
 
 
-class MORPHRETARGET_PT_feet(_InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_feet(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_feet"
     bl_parent_id = "MORPHRETARGET_PT_main"
     bl_label = "Plant Feet"
@@ -212,7 +190,7 @@ class MORPHRETARGET_PT_feet(_InTab, bpy.types.Panel):
         self.layout.prop(_settings(context), "plant_feet", text="")
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = _layout(self), _settings(context)
+        layout, settings = split_layout(self), _settings(context)
         layout.active = settings.plant_feet
         layout.prop(settings, "lock")
         layout.prop(settings, "ground")
@@ -230,14 +208,14 @@ class MORPHRETARGET_PT_feet(_InTab, bpy.types.Panel):
         buttons.operator("morph_retarget.remove_contact", text="", icon="REMOVE")
 
 
-class MORPHRETARGET_PT_keys(_InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_keys(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_keys"
     bl_parent_id = "MORPHRETARGET_PT_main"
     bl_label = "New Action"
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, settings = _layout(self), _settings(context)
+        layout, settings = split_layout(self), _settings(context)
         layout.prop(settings, "name_template")
         layout.prop(settings, "use_range")
         if settings.use_range:
