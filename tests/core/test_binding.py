@@ -306,7 +306,11 @@ def test_external_targets_are_no_bodies() -> None:
 @pytest.mark.parametrize(
     ("channel", "options", "problem"),
     [
-        (_every("claw", Capability.FIN), {}, "channel 'claw' selects nothing on this character: change its context"),
+        (
+            _every("claw", Capability.FIN),
+            {},
+            "channel 'claw' selects nothing on this character: change the context if that is wrong",
+        ),
         (
             _to(TargetKind.NONE),
             {},

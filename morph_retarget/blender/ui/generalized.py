@@ -153,7 +153,10 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             _draw_variant(row, ob)
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
-            for text in cast.tell(ob) if query.is_ready(ob) else ():
+            told = cast.tell(ob) if query.is_ready(ob) else []
+            if ob != active and told:
+                row.label(text=str(len(told)), icon="ERROR")
+            for text in told if ob == active else ():
                 say(box, text, "ERROR", context)
 
     def _draw_channels(self, layout: bpy.types.UILayout, action: bpy.types.Action) -> None:

@@ -145,9 +145,10 @@ def bind(
             found[member] = _covary(leading, found[member], chosen[lead]) if lead in chosen else ()
     selected = [tuple(dict.fromkeys(body for _, body in pairs)) for pairs in found]
     unfit = {member for lead in leads if lead not in chosen for member in groups[lead]}
-    for i, channel in enumerate(channels):
-        if not selected[i] and i not in unfit:
-            problems.append(f"channel {channel.name!r} selects nothing on this character: change its context")
+    idle = [repr(c.name) for i, c in enumerate(channels) if not selected[i] and i not in unfit]
+    if idle:
+        verb = "channels {} select" if len(idle) > 1 else "channel {} selects"
+        problems.append(f"{verb.format(listed(idle))} nothing on this character: change the context if that is wrong")
     turned = _variant_is_mirrored(channels, selected, leads, bodies)
     playable = _playable(channels, selected, missing, problems)
     entries = list(_entries(channels, selected, playable, turned, bodies, problems))
