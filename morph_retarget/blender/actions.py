@@ -172,7 +172,7 @@ class Writer:
         if len(curve.sampled_points):
             self._take_samples(curve, own)
         for modifier in curve.modifiers:
-            _copy_modifier(modifier, own)
+            copy_modifier(modifier, own)
         own.update()
 
     def _take_samples(self, curve: bpy.types.FCurve, own: bpy.types.FCurve) -> None:
@@ -206,7 +206,7 @@ def put_in_group(bag: bpy.types.ActionChannelbag, curve: bpy.types.FCurve, name:
         curve.group = bag.groups.get(name) or bag.groups.new(name)
 
 
-def _copy_modifier(modifier: bpy.types.FModifier, curve: bpy.types.FCurve) -> None:
+def copy_modifier(modifier: bpy.types.FModifier, curve: bpy.types.FCurve) -> None:
     """Give a curve a modifier like another one, setting by setting."""
     if modifier.type == "CYCLES" and len(curve.keyframe_points) < 2:
         return  # Blender has nothing to repeat

@@ -6,13 +6,14 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import live, migrations
-from .morph import cast, perform
+from .morph import cast, events, perform
 
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
     live.show_frame(scene)
     perform.show_frame(scene, graph)
+    events.show_frame(scene)
 
 
 @persistent
@@ -24,6 +25,7 @@ def _forget() -> None:
     live.forget()
     perform.forget()
     cast.forget(rig=True)
+    events.forget()
 
 
 @persistent

@@ -1,4 +1,4 @@
-"""Joint maps that users keep: JSON files in the extension's own folder."""
+"""Joint maps and other presets that users keep: JSON files in the extension's own folder."""
 
 from pathlib import Path
 
@@ -19,20 +19,34 @@ def use(package: str) -> None:
     _folder[:] = [Path(path)]
 
 
-def names() -> list[str]:
-    """Return the presets, in order of their names."""
-    return sorted(path.stem for path in _folder[0].glob("*.json")) if _folder and _folder[0].is_dir() else []
+def names(kind: str = "") -> list[str]:
+    """Return the presets of a kind, joint maps by default, in order of their names."""
+    folder = _folder[0] / kind if _folder else None
+    return sorted(path.stem for path in folder.glob("*.json")) if folder is not None and folder.is_dir() else []
 
 
-def path_of(name: str) -> Path:
-    """Return the file of a preset.
+def path_of(name: str, kind: str = "") -> Path:
+    """Return the file of a preset; kinds other than joint maps have folders of their own.
 
     Raises:
         FileError: The name cannot be that of a file.
     """
     if not name.strip() or any(c in name for c in '/\\:*?"<>|') or name.startswith("."):
         raise FileError(f"preset name {name!r}: use letters, digits and spaces")
-    return _folder[0] / f"{name}.json"
+    return _folder[0] / kind / f"{name}.json"
+
+
+def write(path: Path, text: str) -> None:
+    """Write the text of a preset.
+
+    Raises:
+        FileError: It cannot be written.
+    """
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise FileError(f"{path}: cannot be written ({error.strerror}): choose another place") from error
 
 
 def save(path: Path, joints: dict[str, str]) -> None:
@@ -41,11 +55,7 @@ def save(path: Path, joints: dict[str, str]) -> None:
     Raises:
         FileError: It cannot be written.
     """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(map_file.preset(joints), encoding="utf-8")
-    except OSError as error:
-        raise FileError(f"{path}: cannot be written ({error.strerror}): choose another place") from error
+    write(path, map_file.preset(joints))
 
 
 def load(path: Path) -> dict[str, str]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ...core.errors import MorphError
-from . import mapping, retargeting
+from . import mapping, playing, retargeting
 from .messages import NAME, say
 
 UNUSABLE = 2
@@ -15,6 +15,8 @@ _EXAMPLES = """examples:
   {prog} map character.glb --json > map.json
   {prog} retarget walk.bvh character.glb -o walk_on_character.blend
   {prog} retarget "clips.blend#Walk" a.glb b.fbx -o "out/{{source}}_on_{{target}}.glb" --report report.json
+  {prog} play "actions.blend#Wave" spider.glb bird.glb -o "out/{{target}}_{{action}}.glb" --report report.json
+  {prog} play "actions.blend#Pick Up" character.blend -o picked.blend --target "Hand=Apple" --variant nearest
 """
 
 
@@ -50,4 +52,5 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     mapping.add_to(commands.add_parser("map", help="tell what a rig is", **looks))
     retargeting.add_to(commands.add_parser("retarget", help="give a clip to one or more rigs", **looks))
+    playing.add_to(commands.add_parser("play", help="give a generalized action to characters", **looks))
     return parser

@@ -1,7 +1,6 @@
 """``retarget SOURCE TARGET… -o OUT``: give a clip to one or more rigs."""
 
 import argparse
-import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,8 +15,10 @@ from .. import actions, presets, retarget, rig, sampling, terrain
 from ..io import load, save
 from ..io.load import Request
 from ..retarget import Options, Outcome, Reference, Source
+from . import numbers
 from .messages import naming, say
 from .opening import add_rig_options, armature_here, axes, open_rig
+from .outputs import Outputs, set_range, set_rate
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -42,7 +43,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore[reportPrivateUsage] - it has no public name
     group.add_argument("--action", metavar="NAME", help="which action of the source")
     group.add_argument("--all-actions", action="store_true", help="all actions that move the source armature")
-    group.add_argument("--frames", metavar="A:B", type=_frames, help="first and last frame of the source")
+    group.add_argument("--frames", metavar="A:B", type=numbers.frames, help="first and last frame of the source")
     group.add_argument(
         "--reference",
         default="auto",
@@ -55,7 +56,7 @@ def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: i
     group.add_argument("--no-plant-feet", action="store_true", help="leave feet where the transfer puts them")
     group.add_argument(
         "--lock",
-        type=_share,
+        type=numbers.share,
         default=1.0,
         metavar="SHARE",
         help="how much of the source's own foot slide to remove, 0 to 1 (default 1)",
@@ -67,7 +68,7 @@ def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: i
     )
     group.add_argument(
         "--scale",
-        type=_above_zero,
+        type=numbers.above_zero,
         metavar="RATIO",
         help="target's travel over the source's (default: leg lengths)",
     )
@@ -76,7 +77,7 @@ def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: i
 def _add_key_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore[reportPrivateUsage]
     group.add_argument(
         "--fps",
-        type=_above_zero,
+        type=numbers.above_zero,
         metavar="RATE",
         help="frame rate of the result (default: the target .blend's, else the clip's)",
     )
@@ -84,65 +85,21 @@ def _add_key_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore
     group.add_argument("--name", default=Options.name, help=f"name of the new action (default {Options.name!r})")
 
 
-def _frames(text: str) -> tuple[int, int]:
-    first, _, last = text.partition(":")
-    try:
-        found = int(first), int(last)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no range: write it as 1:240") from None
-    if found[0] > found[1]:
-        raise argparse.ArgumentTypeError(f"{text!r} ends before it starts: write it as 1:240")
-    return found
-
-
-def _share(text: str) -> float:
-    value = _number(text)
-    if not 0.0 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is no share: use a number from 0 to 1")
-    return value
-
-
-def _above_zero(text: str) -> float:
-    value = _number(text)
-    if not 0.0 < value < 32767.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is too small or too large: use a number above 0")
-    return value
-
-
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
-
-
 @dataclass(frozen=True)
 class _Job:
     """What was asked for, checked and read."""
 
     arguments: argparse.Namespace
-    out: str
+    outputs: Outputs
     options: Options
     overrides: Overrides
-
-    @property
-    def separate(self) -> bool:
-        """Whether each pair gets a file of its own."""
-        return any(field in self.out for field in ("{target}", "{action}", "{source}"))
-
-    def path(self, target: str, action: str) -> Path:
-        """Return the file of one result; files give their names without ending, armatures theirs."""
-        names = {"{source}": _short(self.arguments.source), "{action}": action, "{target}": _short(target)}
-        out = self.out
-        for field, name in names.items():
-            out = out.replace(field, "".join(c if c not in '/\\:*?"<>|' else "_" for c in name))
-        return Path(out)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Retarget all pairs and write the results: all of them, or none."""
     target_map, source_map = _read_map(arguments.map), _read_map(arguments.source_map)
-    job = _Job(arguments, str(arguments.out), _options(arguments), Overrides(*axes(arguments), joints=target_map))
+    outputs = Outputs(str(arguments.out), arguments.source, arguments.targets, arguments.report)
+    job = _Job(arguments, outputs, _options(arguments), Overrides(*axes(arguments), joints=target_map))
     _check(job)
     sources = _read_sources(job, source_map)
     reports: list[dict[str, object]] = []
@@ -150,9 +107,9 @@ def run(arguments: argparse.Namespace) -> int:
     kept: list[bpy.types.Object] = []
     with save.Outbox() as outbox:
         for i, text in enumerate(arguments.targets):
-            ob, label = open_rig(text, arguments.armature, fresh=job.separate or i == 0)
-            if job.separate or i == 0:
-                _set_rate(arguments, text, sources[0])
+            ob, label = open_rig(text, arguments.armature, fresh=outputs.separate or i == 0)
+            if outputs.separate or i == 0:
+                set_rate(arguments.fps, text, 1.0 / sources[0].clip.seconds_per_frame)
             for source in sources:
                 _set_range(source)
                 with naming(label):
@@ -160,13 +117,12 @@ def run(arguments: argparse.Namespace) -> int:
                 named = arguments.source if len(sources) == 1 else f"{arguments.source}#{source.clip.name}"
                 reports.append(outcome.report | {"source": named, "target": text})
                 warnings += outcome.warnings
-                if job.separate:
-                    outbox.rigs(job.path(text, source.clip.name), [ob])
+                if outputs.separate:
+                    outbox.rigs(outputs.path(text, source.clip.name), [ob])
             kept.append(ob)
-        if not job.separate:
-            outbox.rigs(Path(job.out), kept)
-        if arguments.report:
-            outbox.text(Path(arguments.report), json.dumps(reports, indent=1, ensure_ascii=False) + "\n")
+        if not outputs.separate:
+            outbox.rigs(Path(outputs.template), kept)
+        outputs.write_report(outbox, reports)
     for text in dict.fromkeys(warnings):
         say(f"warning: {text}")
     return 0
@@ -174,28 +130,16 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check(job: _Job) -> None:
     """Check all that can be known before anything is read."""
-    arguments, out = job.arguments, job.out
-    save.check(job.path("target", "action"))
-    if arguments.report:
-        save.check_folder(Path(arguments.report))
-    if len(arguments.targets) > 1 and out.lower().endswith(".bvh") and "{target}" not in out:
-        raise FileError(f"{out}: a BVH file holds one armature: put {{target}} into its name")
-    if len(arguments.targets) > 1 and job.separate and "{target}" not in out:
-        raise FileError(f"{out}: all targets would get the same file: put {{target}} into its name")
+    arguments, out = job.arguments, job.outputs.template
+    job.outputs.check()
     if arguments.all_actions and not out.lower().endswith(".blend") and "{action}" not in out:
         raise FileError(f"{out}: holds one action: put {{action}} into its name, or write a .blend")
-    paths = [job.path(text, "action") for text in arguments.targets] if job.separate else []
-    twice = [path for i, path in enumerate(paths) if path in paths[:i]]
-    if twice:
-        raise FileError(f"{twice[0]}: two targets would get this file: give them different names")
     source = Request.parse(arguments.source)
     for text in arguments.targets:
         target = Request.parse(text)
         if target.path.exists() and source.path.exists() and target.path.samefile(source.path):
             raise FileError(f"{target.path}: source and target are the same file: choose another rig, or copy the file")
-        if armature_here(text) is None:
-            target.check()
-        elif text == arguments.source:
+        if armature_here(text) is not None and text == arguments.source:
             raise FileError(f"{text}: source and target are the same armature: choose another")
 
 
@@ -300,27 +244,11 @@ def _choose_actions(ob: bpy.types.Object, fitting: _Clips, name: str | None, eve
     return [(playing, slot)]
 
 
-# --- times and names ---
-
-
-def _set_rate(arguments: argparse.Namespace, target: str, source: Source) -> None:
-    """Give the scene the frame rate asked for, or the clip's; a scene that came with the target keeps its own."""
-    scene = rig.scene_of()
-    own_scene = target.lower().endswith(".blend") or armature_here(target) is not None
-    rate = arguments.fps or (None if own_scene else 1.0 / source.clip.seconds_per_frame)
-    if rate is not None:
-        scene.render.fps = max(round(rate), 1)
-        scene.render.fps_base = scene.render.fps / rate
+# --- times ---
 
 
 def _set_range(source: Source) -> None:
     """Give the scene the frame range of a clip at the scene's rate."""
-    scene, clip = rig.scene_of(), source.clip
-    length = (len(clip.frames) - 1) * clip.seconds_per_frame / sampling.seconds_per_frame(scene)
-    scene.frame_start = int(clip.frames[0])
-    scene.frame_end = max(round(clip.frames[0] + length), scene.frame_start)
-
-
-def _short(text: str) -> str:
-    path = Request.parse(text).path
-    return path.stem if path.exists() else text
+    clip = source.clip
+    length = (len(clip.frames) - 1) * clip.seconds_per_frame / sampling.seconds_per_frame(rig.scene_of())
+    set_range(clip.frames[0], clip.frames[0] + length)

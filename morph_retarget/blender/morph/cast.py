@@ -5,19 +5,21 @@ definition or a rig is edited, and when another action is assigned.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
+import numpy as np
 
 from ...core import play
 from ...core.character.character import Character
 from ...core.errors import MorphError
-from ...core.morph.bind import GeneralizedAction, bind
+from ...core.morph.bind import Binding, GeneralizedAction, bind
 from ...core.morph.bodies import Bodies
 from ...core.morph.channels import TargetKind
 from ...core.play import Part
 from .. import actions, collect
-from ..properties import of_rig
-from ..rig import Rig, pose_of
+from ..properties import BY_USER, of_rig
+from ..rig import Rig, armature_of, pose_of
 from . import definitions, keys
 from .properties import MORPHRETARGET_PG_values, of_action
 
@@ -32,22 +34,30 @@ class Member:
     rig: Rig
     action: bpy.types.Action
     definition: GeneralizedAction
-    part: Part
-    free: Part
-    """The same without what has targets, for others that follow this one's bodies."""
-
-    @property
-    def character(self) -> Character:
-        """What the armature is."""
-        return self.part.character
+    character: Character
+    """What the armature is."""
+    binding: Binding
+    """How its bodies are posed."""
 
     @property
     def bodies(self) -> Bodies:
         """Its bodies."""
-        return self.part.bodies
+        return self.binding.bodies
+
+    @cached_property
+    def part(self) -> Part:
+        """What plays."""
+        return play.prepare(self.character, self.binding)
+
+    @cached_property
+    def free(self) -> Part:
+        """The same without what has targets, for others that follow this one's bodies."""
+        return play.prepare(self.character, self.binding.untargeted())
 
 
 _analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
+_rests: dict[int, tuple[object, ...]] = {}
+"""What these were found from."""
 _members: dict[int, tuple[tuple[object, ...], Member]] = {}
 
 
@@ -81,9 +91,36 @@ def analysed(ob: bpy.types.Object) -> tuple[Rig, Character, Bodies]:
     """
     known = _analysed.get(ob.session_uid)
     if known is None:
+        _rests[ob.session_uid] = _rest_of(ob)
         own, character = collect.target_of(ob)
         known = _analysed[ob.session_uid] = (own, character, Bodies.of(character))
     return known
+
+
+def is_edited(ob: bpy.types.Object) -> bool:
+    """Return whether the bones of an analysed armature, or the user's corrections, have changed since."""
+    return ob.session_uid in _rests and _rests[ob.session_uid] != _rest_of(ob)
+
+
+def _rest_of(ob: bpy.types.Object) -> tuple[object, ...]:
+    """Return what an analysis depends on."""
+    own, bones = of_rig(ob), armature_of(ob).bones
+    given = [(joint.name, joint.bone) for joint in own.joints if joint.by in BY_USER]
+    parts: list[object] = [
+        own.up,
+        own.forward,
+        given,
+        [(bone.name, bone.parent and bone.parent.name) for bone in bones],
+    ]
+    for name, width, kind in (("matrix_local", 16, np.float32), ("tail_local", 3, np.float32)):
+        values = np.empty(width * len(bones), dtype=kind)
+        bones.foreach_get(name, values)
+        parts.append(values.tobytes())
+    for name in ("use_deform", "use_inherit_rotation"):
+        flags = np.empty(len(bones), dtype=np.bool_)
+        bones.foreach_get(name, flags)
+        parts.append(flags.tobytes())
+    return tuple(parts)
 
 
 def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Member:
@@ -103,13 +140,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     ensure_values(ob, action)
     definition = definitions.read(action)
     binding = bind(definition, bodies, own.variant, missing(ob, definition))
-    found = Member(
-        rig,
-        action,
-        definition,
-        play.prepare(character, binding),
-        play.prepare(character, binding.untargeted()),
-    )
+    found = Member(rig, action, definition, character, binding)
     _members[ob.session_uid] = (state, found)
     return found
 
@@ -135,7 +166,7 @@ def ensure_values(ob: bpy.types.Object, action: bpy.types.Action) -> None:
     """Give an armature a place for the values of each channel, and for those of the deforms that are keyed."""
     own = of_rig(ob).channels
     for item in of_action(action).channels:
-        if item.name not in own:
+        if item.name and item.name not in own:  # one that is just being made has no name yet
             own.add().name = item.name
         for deform in keys.deforms_of(action, item.name):
             if deform not in own[item.name].deforms:
@@ -174,7 +205,7 @@ def tell(ob: bpy.types.Object) -> list[str]:
     if problem is not None:
         return [problem]
     try:
-        return list(member(ob).part.binding.problems)
+        return list(member(ob).binding.problems)
     except MorphError as error:
         return [str(error)]
 
@@ -186,8 +217,10 @@ def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:
         problems.clear()
         if rig:
             _analysed.clear()
+            _rests.clear()
         return
     _members.pop(ob.session_uid, None)
     problems.pop(ob.session_uid, None)
     if rig:
         _analysed.pop(ob.session_uid, None)
+        _rests.pop(ob.session_uid, None)

@@ -1,6 +1,19 @@
 """Everything that buttons and scripts can do; each operator is thin: collect, one call, write, one report."""
 
-from . import channel_list, contacts, generalized, joints, keying, live, presets, retargeting, rigs, selecting
+from . import (
+    channel_list,
+    channel_presets,
+    contacts,
+    generalized,
+    joints,
+    keying,
+    live,
+    performing,
+    presets,
+    retargeting,
+    rigs,
+    selecting,
+)
 
 CLASSES = (
     *rigs.CLASSES,
@@ -13,4 +26,6 @@ CLASSES = (
     *channel_list.CLASSES,
     *selecting.CLASSES,
     *keying.CLASSES,
+    *channel_presets.CLASSES,
+    *performing.CLASSES,
 )

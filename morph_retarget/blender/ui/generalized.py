@@ -8,7 +8,8 @@ from typing import Any
 import bpy
 
 from ...core.character.morphology import Capability
-from ..morph import cast, query
+from .. import presets
+from ..morph import cast, channel_presets, query
 from ..morph.properties import MORPHRETARGET_PG_channel, of_action
 from ..operators.generalized import generalized_actions
 from ..properties import of_rig, of_scene
@@ -104,6 +105,24 @@ class MORPHRETARGET_MT_actions(bpy.types.Menu):
             layout.operator("morph_retarget.remove_character", text="None", icon="X").character = name
 
 
+class MORPHRETARGET_MT_channel_presets(bpy.types.Menu):
+    bl_idname = "MORPHRETARGET_MT_channel_presets"
+    bl_label = "Channel Presets"
+
+    def draw(self, _: bpy.types.Context) -> None:
+        layout = self.layout
+        for name in channel_presets.names():
+            layout.operator("morph_retarget.load_channels", text=name, icon="PRESET", translate=False).name = name
+        layout.separator()
+        layout.operator_context = "INVOKE_DEFAULT"
+        layout.operator("morph_retarget.save_channels", icon="ADD")
+        for name in presets.names(channel_presets.KIND):
+            button = layout.operator(
+                "morph_retarget.delete_channels", text=f"Delete {name}", icon="REMOVE", translate=False
+            )
+            button.name = name
+
+
 class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_generalized"
     bl_label = "Generalized Action"
@@ -117,6 +136,8 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             row.operator("morph_retarget.new_action", text="New", icon="ADD")
             name = ob.name if ob is not None else "The active object"
             say(layout, f"{name} plays no generalized action", "INFO", context)
+            if ob is not None and ob.animation_data is not None and ob.animation_data.action is not None:
+                layout.operator("morph_retarget.generalize_action", icon="ARMATURE_DATA").character = ob.name
             return
         row.menu("MORPHRETARGET_MT_actions", text="", icon="ACTION")
         row.prop(action, "name", text="")
@@ -126,6 +147,10 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
         self._draw_channels(layout, action)
         assert context.scene is not None, "the viewport shows a scene"
         layout.prop(of_scene(context.scene), "show_paths")
+        row = layout.row(align=True)
+        row.operator_context = "INVOKE_DEFAULT"
+        row.operator("morph_retarget.bake_action", text="Bake", icon="REC").character = ob.name
+        row.operator("morph_retarget.bake_action", text="Bake All").all_characters = True
 
     def _draw_characters(
         self,
@@ -161,7 +186,9 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
 
     def _draw_channels(self, layout: bpy.types.UILayout, action: bpy.types.Action) -> None:
         own = of_action(action)
-        layout.label(text="Channels")
+        row = layout.row()
+        row.label(text="Channels")
+        row.menu("MORPHRETARGET_MT_channel_presets", text="", icon="PRESET")
         row = layout.row()
         row.template_list("MORPHRETARGET_UL_channels", "", own, "channels", own, "active_channel", rows=5)
         column = row.column(align=True)
@@ -189,4 +216,9 @@ def _draw_variant(row: bpy.types.UILayout, ob: bpy.types.Object) -> None:
             row.label(text=f"{binding.variant + 1}/{len(binding.variants)}")
 
 
-CLASSES = (MORPHRETARGET_UL_channels, MORPHRETARGET_MT_actions, MORPHRETARGET_PT_generalized)
+CLASSES = (
+    MORPHRETARGET_UL_channels,
+    MORPHRETARGET_MT_actions,
+    MORPHRETARGET_MT_channel_presets,
+    MORPHRETARGET_PT_generalized,
+)

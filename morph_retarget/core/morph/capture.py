@@ -7,7 +7,7 @@ one that an animator makes by hand. Two things are different about captured moti
   the slow part of the way and of the turning is left out (`CaptureSettings.in_place`);
 - performers lack bodies that other characters have. What stands in for them is in `STANDS_FOR`: their hands move the
   wings and fins of others. As the rest poses of unlike bodies mean nothing to each other, such a channel is measured
-  from the performer's usual pose.
+  from where the performer's arm hangs down.
 """
 
 from collections.abc import Mapping, Sequence
@@ -25,7 +25,8 @@ from ..smoothing import between_ends
 from . import movement
 from .bind import GeneralizedAction, bind
 from .bodies import UP, Bodies
-from .channels import Channel, Values
+from .channels import Channel, TargetKind, Values
+from .context import TIE
 from .specialize import frames_of
 
 STANDS_FOR: Mapping[Capability, Capability] = {Capability.WING: Capability.GRASPER, Capability.FIN: Capability.GRASPER}
@@ -72,10 +73,11 @@ class Performance:
     def __len__(self) -> int:
         return len(self.positions)
 
-    def usual(self) -> Bodies:
-        """Return the bodies with the most usual pose of the clip for rest."""
-        away = np.linalg.norm(self.positions - np.median(self.positions, axis=0), axis=-1).sum(axis=-1)
-        row = int(np.argmin(away))
+    def hanging(self, body: int) -> Bodies:
+        """Return the bodies with the pose for rest in which a limb hangs down farthest."""
+        start = int(self.bodies.spine_segments[body])
+        height = self.positions[:, body, 2] - self.positions[:, start, 2]
+        row = int(np.flatnonzero(height <= height.min() + TIE * self.bodies.size)[0])
         return replace(self.bodies, positions=self.positions[row], axes=self.axes[row])
 
 
@@ -176,12 +178,15 @@ def capture(found: Performance, channels: Sequence[Channel]) -> Captured:
 
 def _taken(found: Performance, channel: Channel) -> tuple[int, Array, Array] | None:
     """Return the body that a channel is captured from, and its generalized positions and rotations."""
-    # A channel by itself owns all that it selects.
-    binding = bind(GeneralizedAction("", (channel,)), found.bodies, missing={0})
+    # A channel by itself owns all that it selects; what is outside of the performer was not captured.
+    missing = {0} if channel.target is TargetKind.EXTERNAL else set[int]()
+    binding = bind(GeneralizedAction("", (channel,)), found.bodies, missing=missing)
     other = STANDS_FOR.get(channel.context.capability)
     if not binding.entries and other is not None:
         instead = replace(channel, context=replace(channel.context, capability=other))
-        binding = bind(GeneralizedAction("", (instead,)), found.usual(), missing={0})
+        binding = bind(GeneralizedAction("", (instead,)), found.bodies, missing=missing)
+        if binding.entries:
+            binding = replace(binding, bodies=found.hanging(binding.entries[0].body))
     if not binding.entries:
         return None
     plan = binding.plan
