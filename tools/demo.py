@@ -1,4 +1,4 @@
-"""The demo: a clip onto rigs, as .blend files and one contact sheet.
+"""The demo: a clip onto rigs, as .blend files and one contact sheet, and one action on bodies of all kinds.
 
 ``python -m tools.demo [CLIP [RIG…]]``: a sample clip onto Rigify's human metarig and a sample character, or your own.
 """
@@ -16,12 +16,14 @@ from morph_retarget.blender.io import addons, load
 from morph_retarget.blender.io.load import Request
 from morph_retarget.core.errors import MorphError
 
-from . import bodies, sheet
+from . import bodies, pictures, sheet
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "build" / "demo"
 CLIP, CHARACTER = ROOT / "sample_blends" / "walk_and_wave.bvh", ROOT / "sample_blends" / "sprout.blend"
 PICTURES = 8
+MOVEMENT, MOVERS, MOMENTS = "Dance", ("biped", "asura", "hound", "beetle", "bird"), 6
+"""What is shown of generalized actions: on whom, and in how many pictures."""
 COLORS = ((0.75, 0.45, 0.2), (0.25, 0.45, 0.75), (0.3, 0.6, 0.35))
 
 
@@ -40,14 +42,20 @@ def main(arguments: Sequence[str]) -> int:
             return status
         results.append(result)
     try:
-        pictures = _draw(clip, results)
+        drawn = _draw(clip, results)
     except MorphError as error:
         print(error, file=sys.stderr)
         return 2
+    print(f"{MOVEMENT}, one action -> {', '.join(MOVERS)}", flush=True)
+    generalized = pictures.draw(OUT / f"{MOVEMENT}.png", MOVEMENT, MOVERS, MOMENTS)
     print("\nDone. Open these in Blender and press Space:")
     for result in results:
         print(f"  {result}")
-    print(f"Contact sheet, the clip above and the results below:\n  {pictures}")
+    print(f"Contact sheet, the clip above and the results below:\n  {drawn}")
+    print(f"The same generalized action on bodies of all kinds:\n  {generalized}")
+    print(
+        f"To play and change it, open {pictures.SAMPLES / 'stage.blend'} with the extension installed and press Space."
+    )
     return 0
 
 

@@ -1,9 +1,11 @@
-"""Makes `sample_blends/`: a clip and characters of our own, small enough to be committed.
+"""Makes `sample_blends/`: a clip, characters and actions of our own, small enough to be committed.
 
 Run it with the Python of an environment that has Blender: ``.venv/blender-4.5/bin/python -m tools.make_samples``. The
 oldest Blender that is supported writes the files, so that all others can read them.
 """
 
+import os
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -12,13 +14,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from morph_retarget.blender import rig
+from morph_retarget.blender import registration, rig
 from morph_retarget.blender.io.save import Outbox
 
-from . import armatures, bodies, creatures, gait
+from . import acting, acts, armatures, bodies, creatures, gait, stage
 from .bodies import Color
 from .figure import CHIBI, Bone, Build, blender, humanoid, spaced
-from .flesh import Paint, Part
+from .flesh import Paint
 
 SAMPLES = Path(__file__).resolve().parent.parent / "sample_blends"
 FPS = 30
@@ -38,16 +40,25 @@ COLORS: dict[str, dict[Paint, Color]] = {
 def main() -> None:
     """Write all samples."""
     (SAMPLES / "characters").mkdir(parents=True, exist_ok=True)
-    made: dict[str, Callable[[], bpy.types.Object]] = {"walk_and_wave.bvh": _clip, "sprout.blend": _sprout}
-    for name, figure in creatures.CREATURES.items():
-        made[f"characters/{name}.blend"] = partial(_character, name, figure)
-    with Outbox() as outbox:
-        for path, make in made.items():
-            outbox.rigs(SAMPLES / path, [make()])
+    made: dict[str, Callable[[], Sequence[bpy.types.Object]]] = {
+        "walk_and_wave.bvh": _clip,
+        "sprout.blend": lambda: [_sprout()],
+        "actions.blend": _actions,
+        "stage.blend": _stage,
+    }
+    for name in creatures.CREATURES:
+        made[f"characters/{name}.blend"] = partial(_character, name)
+    registration.register("morph_retarget")
+    try:
+        with Outbox() as outbox:
+            for path, make in made.items():
+                outbox.rigs(SAMPLES / path, make())
+    finally:
+        registration.unregister()
     print(*made, sep="\n")
 
 
-def _clip() -> bpy.types.Object:
+def _clip() -> list[bpy.types.Object]:
     """Return a figure that walks, and waves on its way: names, proportions and axes unlike those of the characters."""
     _empty("Walk and Wave")
     bones = humanoid(1.8, build=Build(spine=2))
@@ -58,16 +69,36 @@ def _clip() -> bpy.types.Object:
     figure = replace(own, names=tuple(joints[name] for name in own.names))
     made = gait.walk((FRAMES - 1) / FPS, FPS, height=1.8, wave=(1.6, 4.4))
     armatures.key(ob, own, gait.pose(figure, made), "Walk and Wave")
-    return ob
+    return [ob]
 
 
 def _renamed(bone: Bone) -> Bone:
     return replace(bone, name=spaced(bone.name), parent=bone.parent and spaced(bone.parent))
 
 
+def _actions() -> list[bpy.types.Object]:
+    """Make the generalized actions, and nothing else."""
+    _empty("Actions")
+    for act in acts.ACTS:
+        acting.write(act)
+    return []
+
+
+def _stage() -> list[bpy.types.Object]:
+    """Return all characters on one stage, playing one of the actions."""
+    _empty("Stage")
+    cast = {"Sprout": sprout(), **{name.capitalize(): creature(name) for name in creatures.CREATURES}}
+    stage.furnish(cast)
+    return list(cast.values())
+
+
 def _sprout() -> bpy.types.Object:
-    """Return a small figure with a big head, a tail, fingers and twist bones, arms lowered, bones rolled at random."""
     _empty("Sprout")
+    return sprout()
+
+
+def sprout() -> bpy.types.Object:
+    """Return a small figure with a big head, a tail, fingers and twist bones, arms lowered, bones rolled at random."""
     build = Build(spine=4, fingers=3, twists=1, root=True, arms_down=40.0)
     bones = humanoid(1.1, CHIBI, build, blender)
     hips = next(bone for bone in bones if bone.name == "Hips")
@@ -81,10 +112,14 @@ def _sprout() -> bpy.types.Object:
     return ob
 
 
-def _character(name: str, figure: Callable[[], Sequence[Part]]) -> bpy.types.Object:
-    """Return a creature in its own colors, bones rolled at random."""
+def _character(name: str) -> list[bpy.types.Object]:
     _empty(name.capitalize())
-    parts = figure()
+    return [creature(name)]
+
+
+def creature(name: str) -> bpy.types.Object:
+    """Return a creature in its own colors, bones rolled at random."""
+    parts = creatures.CREATURES[name]()
     ob = armatures.build(name.capitalize(), parts, np.random.default_rng(7))
     bodies.dress(ob, parts, COLORS[name])
     return ob
@@ -99,3 +134,5 @@ def _empty(name: str) -> None:
 
 if __name__ == "__main__":
     main()
+    sys.stdout.flush()
+    os._exit(0)  # Blender 4.5 as a module may block its end by a thread of its own

@@ -11,7 +11,7 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import bake, cast, choice, deform_keys, deforms, pose
+from ..morph import bake, cast, choice, deforms, pose
 from ..morph.bake import Options, Take
 from ..morph.properties import MORPHRETARGET_PG_values
 from ..properties import of_rig
@@ -170,7 +170,6 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
     action = job.source.bring()
     for ob in out:
         cast.add(ob, action)
-        deform_keys.ensure(ob, action)
     for ob in out:
         for name, target in arguments.target:
             _aim(job, of_rig(ob).channels[name], target)

@@ -10,9 +10,8 @@ from ...core.play import Played
 from .. import actions
 from ..actions import Writer
 from ..channels import Channel
-from ..properties import of_rig
 from ..rig import pose_bone
-from . import deforms, keys
+from . import deforms
 from .cast import Member
 
 
@@ -37,18 +36,6 @@ def means(played: Played) -> Mapping[str, Array]:
     for (_, name), curve in played.deforms.items():
         found.setdefault(name, []).append(curve)
     return {name: np.mean(curves, axis=0) for name, curves in found.items()}
-
-
-def ensure(ob: bpy.types.Object, action: bpy.types.Action) -> None:
-    """Give a character a place for each deform that an action keys, as for one that the action was not made on."""
-    paths = [path for path, _ in keys.curves(action)]
-    for item in of_rig(ob).channels:
-        start, end = f'{keys.prefix(item.name)}.deforms["', '"].value'
-        for path in paths:
-            if path.startswith(start) and path.endswith(end):
-                name = bpy.utils.unescape_identifier(path.removeprefix(start).removesuffix(end))
-                if name not in item.deforms:
-                    item.deforms.add().name = name
 
 
 def write(member: Member, played: Played, frames: Array, name: str) -> list[bpy.types.Action]:

@@ -1,0 +1,124 @@
+"""A stage for generalized actions: characters apart from each other, fruit within their reach, two to shake hands."""
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+
+from morph_retarget.blender import rig
+from morph_retarget.blender.morph import cast, stage
+from morph_retarget.core.arrays import Array
+from morph_retarget.core.character.morphology import Capability
+from morph_retarget.core.morph.bodies import Bodies
+from morph_retarget.core.morph.context import select
+
+from . import acting, acts, flesh
+from .flesh import Lump
+
+FIRST_ACT = "Eat Fruit"
+FRUIT = 0.02
+"""Radius of a fruit as a share of its character's size."""
+PLACES: Mapping[str, tuple[float, float, float]] = {
+    "Biped": (-2.55, 0.6, 90.0),
+    "Asura": (-1.55, 0.6, -90.0),
+    "Lopside": (0.5, 0.9, 0.0),
+    "Sprout": (2.0, 0.7, -10.0),
+    "Snake": (-1.9, -1.5, 30.0),
+    "Hound": (-0.45, -1.0, 25.0),
+    "Beetle": (0.8, -1.3, 10.0),
+    "Bird": (2.6, -0.7, -20.0),
+}
+"""Place on the ground [m] and turn to the left [deg] of each character; the first two face each other."""
+PARTNERS = (("Biped", "Asura"), ("Asura", "Biped"))
+
+
+def furnish(characters: Mapping[str, bpy.types.Object]) -> None:
+    """Place characters, give each its fruit and let them play; the other actions are ready to be chosen.
+
+    Args:
+        characters: By name.
+    """
+    for name, ob in characters.items():
+        x, y, turn = PLACES[name]
+        ob.location, ob.rotation_euler = (x, y, 0.0), (0.0, 0.0, float(np.radians(turn)))
+    _light_and_camera()
+    bpy.context.view_layer.update()
+    fruits = {name: fruit(ob, f"Fruit of {name}") for name, ob in characters.items()}
+    made = {act.name: acting.write(act) for act in acts.ACTS}
+    for name, ob in characters.items():
+        for act in acts.ACTS:
+            acting.cue(ob, made[act.name], act)
+            acting.aim(ob, act, fruits[name])
+    for name, partner in PARTNERS:
+        meet(characters[name], characters[partner])
+    first = acts.named(FIRST_ACT)
+    for name, ob in characters.items():
+        acting.play(ob, made[FIRST_ACT], first, fruits[name])
+    scene = rig.scene_of()
+    scene.frame_start, scene.frame_end = 1, first.frames
+    scene.frame_set(1)
+
+
+def meet(ob: bpy.types.Object, partner: bpy.types.Object) -> None:
+    """Let a character shake the right hand of another one, the outermost if that has several."""
+    act = acts.named("Shake Hands")
+    shake = next(track.channel for track in act.tracks if track.channel.name == "Shake")
+    bodies = cast.analysed(partner)[2]
+    found = select(shake.context, bodies)
+    acting.aim(ob, act, partner, bodies.names[found[0]])
+
+
+def fruit(ob: bpy.types.Object, name: str = "Fruit") -> bpy.types.Object:
+    """Return a new fruit that a character can reach with each of its graspers."""
+    _, character, bodies = cast.analysed(ob)
+    made = bpy.data.objects.new(name, _fruit_mesh(name, FRUIT * bodies.size))
+    rig.scene_of().collection.objects.link(made)
+    local = character.local_to_character.inverse().points(within_reach(bodies))
+    made.location = stage.to_world(ob, local).tolist()
+    bpy.context.view_layer.update()
+    return made
+
+
+def within_reach(bodies: Bodies) -> Array:
+    """Return a place that the shortest grasper can reach: before the chest, or a little above and before a mouth.
+
+    Args:
+        bodies: Of the character.
+
+    Returns:
+        Place [m], character frame, shape (3,).
+    """
+    kinds = (Capability.GRASPER, Capability.MOUTH, Capability.HEAD, Capability.ROOT)
+    found = next(own for kind in kinds if (own := bodies.with_capability(kind)))
+    own = min(found, key=lambda body: bodies.limb_lengths[body])
+    length, side = bodies.limb_lengths[own], bodies.sides[own]
+    if side == 0 or bodies.has(own, Capability.MOUTH):
+        return bodies.positions[own] + length * np.array([0.15, -0.25, 0.1])
+    return bodies.positions[bodies.spine_segments[own]] + length * np.array([0.2, -0.5, 0.1])
+
+
+def _fruit_mesh(name: str, radius: float) -> bpy.types.Mesh:
+    round_lump = Lump((0.0, 0.0, -0.1 * radius), (0.0, 0.0, 0.1 * radius), (radius, radius), sides=12)
+    vertices, faces = flesh.mesh(round_lump)
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(vertices.tolist(), [], faces)
+    data.polygons.foreach_set("use_smooth", np.ones(len(data.polygons), dtype=bool))
+    material = bpy.data.materials.get("Fruit") or bpy.data.materials.new("Fruit")
+    material.diffuse_color = (0.85, 0.05, 0.04, 1.0)
+    data.materials.append(material)
+    return data
+
+
+def _light_and_camera() -> None:
+    """Let the scene be rendered as it is."""
+    scene = rig.scene_of()
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.rotation_euler = (0.7, 0.2, 0.4)
+    sun.data.energy = 3.0
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0.1, -10.4, 3.2), (1.32, 0.0, 0.01)
+    for ob in (sun, camera):
+        scene.collection.objects.link(ob)
+    scene.camera = camera
+    scene.world = bpy.data.worlds.new("World")
+    scene.world.color = (0.3, 0.3, 0.32)
