@@ -55,10 +55,11 @@ class Aims:
             return axes, scale
         away = (targets[:, self.aimed] * self.flip - self.rest) * self.flat
         distance = quat.length(away)
-        near = _smooth(distance / self.tiny)[..., None]
         direction = away / np.maximum(distance, 1e-12)[..., None]
-        toward_it = rotation.between(FORWARD, FORWARD + near * (direction - FORWARD)) @ AHEAD
-        axes[:, self.aimed] = toward_it * self.flip[..., None]
+        if (distance < self.tiny).any():
+            direction = quat.unit(FORWARD + _smooth(distance / self.tiny)[..., None] * (direction - FORWARD))
+            direction[~direction.any(axis=-1)] = FORWARD
+        axes[:, self.aimed] = _ahead(direction) * self.flip[..., None]
         stretched = np.maximum(distance, 0.1 * self.tiny)
         scale[:, self.aimed, 0] = np.where(self.only_turned, scale[:, self.aimed, 0], stretched)
         return axes, scale
@@ -72,7 +73,22 @@ class Aims:
         if not len(self.looking):
             return None
         away = targets[:, self.looking] - self.eyes
-        return Gaze(self.looking, quat.from_rotation_vector(toward(self.forwards, away, self.tiny)))
+        turns = quat.from_rotation_vector(toward(self.forwards, away, self.tiny))
+        return Gaze(self.looking, quat.before_matrix(turns))
+
+
+def _ahead(direction: Array) -> Array:
+    """Return `AHEAD` turned from straight ahead to a direction by the smallest rotation, shape (..., 3, 3)."""
+    s, u, v = np.moveaxis(direction @ AHEAD, -1, 0)
+    opposite = s < -1.0 + 1e-9
+    share = 1.0 / np.where(opposite, 1.0, 1.0 + s)
+    out = np.empty((*s.shape, 3, 3))
+    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2] = s, -u, -v
+    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2] = u, 1.0 - u * u * share, -u * v * share
+    out[..., 2, 0], out[..., 2, 1], out[..., 2, 2] = v, -u * v * share, 1.0 - v * v * share
+    if opposite.any():
+        out[opposite] = np.diag([-1.0, -1.0, 1.0])  # about the vertical
+    return AHEAD @ out
 
 
 def _smooth(t: Array) -> Array:
@@ -88,14 +104,14 @@ class Gaze:
     rows: Indices
     """The bodies that look."""
     turns: Array
-    """By which they turn, shape (frame, looking, 4)."""
+    """What their rotations multiply by, shape (frame, looking, 4, 4)."""
 
     def applied(self, turned: Array, back: bool = False) -> Array:
         """Return orientations turned toward the targets, or turned back, shape (frame, body, 4)."""
-        turns = quat.conjugate(self.turns) if back else self.turns
+        turns = rotation.transposed(self.turns) if back else self.turns
         count = max(len(turns), len(turned))
         out = np.broadcast_to(turned, (count, *turned.shape[1:])).copy()
-        out[:, self.rows] = quat.multiply(turns, out[:, self.rows])
+        out[:, self.rows] = rotation.apply(turns, out[:, self.rows])
         return out
 
 

@@ -28,7 +28,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from .. import quat
+from .. import quat, rotation
 from ..arrays import Array, Flags, Indices
 from . import aim
 from .bodies import Bodies
@@ -95,16 +95,20 @@ class Base:
     rows: Indices
     """The bodies for which it is one, shape (n,)."""
 
+    matrices: Array
+    """What rotations after theirs multiply by, shape (n, 4, 4)."""
+
     @classmethod
     def of(cls, rotations: Array) -> "Base":
         """Return the base of rotations, shape (body, 4)."""
-        return cls(rotations, np.flatnonzero(quat.angle_between(rotations, quat.IDENTITY) > 1e-12))
+        rows = np.flatnonzero(quat.angle_between(rotations, quat.IDENTITY) > 1e-12)
+        return cls(rotations, rows, quat.after_matrix(rotations[rows]))
 
     def before(self, rotations: Array, back: bool = False) -> Array:
         """Return rotations, shape (frame, body, 4), after the base, or without it (``back``); in place."""
         if len(self.rows):
-            own = quat.conjugate(self.rotations[self.rows]) if back else self.rotations[self.rows]
-            rotations[:, self.rows] = quat.multiply(rotations[:, self.rows], own)
+            own = rotation.transposed(self.matrices) if back else self.matrices
+            rotations[:, self.rows] = rotation.apply(own, rotations[:, self.rows])
         return rotations
 
 
