@@ -6,6 +6,7 @@ values like all others.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import bpy
 
@@ -87,14 +88,21 @@ def valued(item: MORPHRETARGET_PG_values, part: str) -> None:
     action = cast.action_of(ob)
     if _sharing or action is None or scene is None or item.name not in of_action(action).channels:
         return
-    _sharing.append(True)
-    try:
-        for other in cast.playing(scene, action):
-            if other != ob and item.name in of_rig(other).channels:
-                setattr(of_rig(other).channels[item.name], part, getattr(item, part))
-    finally:
-        _sharing.clear()
+    share(action, item.name, part, getattr(item, part))
     settings = scene.tool_settings
     animated = any(path == keys.path(item.name, part) for path, _ in keys.curves(action))
     if settings is not None and settings.use_keyframe_insert_auto and animated and not _held:
         keys.insert(ob, item.name, (part,), scene.frame_current_final)
+
+
+def share(action: bpy.types.Action, channel: str, part: str, value: Any) -> None:
+    """Give all characters of an action a value of a channel, without keying it."""
+    scene = bpy.context.scene
+    _sharing.append(True)
+    try:
+        for ob in cast.playing(scene, action) if scene is not None else ():
+            item = of_rig(ob).channels.get(channel)
+            if item is not None:
+                setattr(item, part, value)
+    finally:
+        _sharing.clear()

@@ -205,9 +205,21 @@ def tell(ob: bpy.types.Object) -> list[str]:
     if problem is not None:
         return [problem]
     try:
-        return list(member(ob).binding.problems)
+        return [*member(ob).binding.problems, *_lost(ob)]
     except MorphError as error:
         return [str(error)]
+
+
+def _lost(ob: bpy.types.Object) -> list[str]:
+    """Return which specialized curves of a character stand for channels that are gone, in words."""
+    action = action_of(ob)
+    known = of_action(action).channels if action is not None else {}
+    mine = [other for other in bpy.data.objects if other.type == "EMPTY" and of_rig(other).stands_for == ob]
+    return [
+        f"{empty.name!r} shows specialized curves of {of_rig(empty).stands_for_channel!r}, which is gone: delete it"
+        for empty in mine
+        if of_rig(empty).stands_for_channel not in known
+    ]
 
 
 def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:

@@ -109,10 +109,22 @@ def rename(item: MORPHRETARGET_PG_channel, old: str) -> None:
         if group is not None:
             group.name = item.name
     for ob in bpy.data.objects:
-        values = of_rig(ob).channels.get(old) if ob.type == "ARMATURE" else None
-        plays = ob.animation_data is not None and ob.animation_data.action == action
-        if values is not None and plays:
-            values.name = item.name
+        own = of_rig(ob)
+        if _plays(ob, action) and old in own.channels:
+            left = own.channels.find(item.name)
+            if left >= 0:
+                own.channels.remove(left)  # of a channel that was there before
+            own.channels[old].name = item.name
+        if own.stands_for_channel == old and own.stands_for is not None and _plays(own.stands_for, action):
+            own.stands_for_channel = item.name
+
+
+def _plays(ob: bpy.types.Object, action: bpy.types.Action) -> bool:
+    """Return whether an armature plays an action, in strips or by itself."""
+    data = ob.animation_data
+    if ob.type != "ARMATURE" or data is None:
+        return False
+    return data.action == action or any(strip.action == action for track in data.nla_tracks for strip in track.strips)
 
 
 def by_name(action: bpy.types.Action, ob: bpy.types.Object) -> None:

@@ -5,6 +5,7 @@ changed. An animator's own hand on a bone of the active channel is taken for its
 other bodies and characters follow (Hecker 2008 §3.2.1).
 """
 
+import contextlib
 from collections.abc import Container, Mapping
 
 import bpy
@@ -15,7 +16,7 @@ from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.morph.channels import Values
 from ..properties import of_rig
-from . import autokey, cast, deforms, generalize, keys, pose, specialized, stage
+from . import autokey, cast, deforms, generalize, keys, pose, remap, specialized, stage
 from .generalize import Held
 from .shown import Shown
 
@@ -66,11 +67,9 @@ def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> 
     for action in {action for ob in found if (action := cast.action_of(ob)) is not None}:
         for empty in specialized.stand_ins(action):
             own = empty.animation_data.action if empty.animation_data else None
-            if own in edited:
-                try:
-                    specialized.apply(empty)
-                except MorphError as error:
-                    cast.problems[of_rig(empty).stands_for.session_uid] = str(error)
+            if own in edited or action in edited:
+                with contextlib.suppress(MorphError):  # `cast.tell` tells of it
+                    specialized.follow(empty)
 
 
 def forget(ob: bpy.types.Object | None = None) -> None:
@@ -79,6 +78,7 @@ def forget(ob: bpy.types.Object | None = None) -> None:
         _shown.clear()
         _driven.clear()
         autokey.forget()
+        specialized.forget()
     else:
         _shown.pop(ob.session_uid, None)
 
@@ -103,15 +103,18 @@ def character_changed(ob: bpy.types.ID) -> None:
     assert isinstance(ob, bpy.types.Object), "settings of characters are on objects"
     cast.forget(ob)
     forget(ob)
+    action = cast.action_of(ob)
+    if action is not None:
+        remap.catch_up(action)
     ob.update_tag(refresh={"OBJECT"})
 
 
 def _drop_edited(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> None:
-    """Forget what a rig was found to be if its bones have been edited."""
-    for change in graph.updates:
-        if change.is_updated_geometry and change.id is not None and change.id.original == ob.data and ob.mode != "POSE":
-            cast.forget(ob, rig=True)
-            forget(ob)
+    """Forget what a rig was found to be if its bones have been edited; a new pose counts as an update as well."""
+    touched = any(change.id is not None and change.id.original in (ob, ob.data) for change in graph.updates)
+    if touched and cast.is_edited(ob):
+        cast.forget(ob, rig=True)
+        forget(ob)
 
 
 def _show(

@@ -471,6 +471,7 @@ class Performer:
         description="Character whose channel is edited through this object's curves",
         options={"HIDDEN"},
     )
+    stands_for_body: StringProperty(name="Body", description="Body whose curves this object shows", options={"HIDDEN"})
     stands_for_channel: StringProperty(
         name="Channel", description="Channel that is edited through this object's curves", options={"HIDDEN"}
     )

@@ -11,8 +11,10 @@ import numpy as np
 
 from ...core import play
 from ...core.arrays import Array
+from ...core.play import Part
 from .. import actions
 from ..channels import ROTATIONS
+from ..properties import of_rig
 from ..rig import pose_of
 from . import stage
 from .cast import Member
@@ -34,11 +36,16 @@ def over(member: Member, item: MORPHRETARGET_PG_values, scene: bpy.types.Scene, 
     return stepped(scene, frames, place)
 
 
-def of_body(member: Member, body: int, frames: Array) -> Array:
-    """Return where a body that others follow is [m], character frame, shape (frame, 3)."""
-    values = stage.values_over(member, member.rig.object, frames)
-    played = play.evaluate(member.free, values, {})
-    return played.pose.positions[:, body]
+def of_body(member: Member, part: Part, body: int, scene: bpy.types.Scene, frames: Array) -> Array:
+    """Return where a body that others follow is brought by what plays first [m], character frame, (frame or 1, 3)."""
+    ob, channels = member.rig.object, part.binding.action.channels
+    external = {
+        i: over(member, of_rig(ob).channels[channels[i].name], scene, frames)
+        for i in sorted({channel for _, channel in part.binding.plan.external})
+    }
+    if not part.binding.entries:
+        return part.bodies.positions[body][None]
+    return play.evaluate(part, stage.values_over(member, ob, frames), external).pose.positions[:, body]
 
 
 def moves(ob: bpy.types.Object, bone: str = "") -> bool:

@@ -1,11 +1,9 @@
-"""Vector properties as curves with keys at common times, so that a linear map of their values keeps their shape.
+"""Vector properties as keys of curves, whose values can be taken through linear maps without changing their motion.
 
-A cubic Bezier curve is mapped exactly by mapping its keys and handles, if all components have them at the same
-times. `read` brings them there: it splits segments where another component has a key, which changes no curve, and gives
-handles of different lengths a common one, which keeps their slopes.
+A curve is mapped exactly by mapping its keys and handles. Where components mix, `joined` first gives them common keys.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import bpy
@@ -13,45 +11,169 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import Array
-from ..actions import CurveMap, put_in_group
+from ..actions import CurveMap, copy_modifier, put_in_group
+from .joined import BEZIER, ELASTIC, FREE, LINEAR, MOST, NOTHING, OF_PIECE, SAME, Joined, Keys, union
+from .joining import join
 
-SAME = 1e-4
-"""Times nearer than this are the same [frames]."""
-NOTHING = 1e-7
-"""Values nearer than this are the same."""
-_BEZIER = 2
-_FREE = 0
-_SETTINGS = ("interpolation", "easing", "handle_left_type", "handle_right_type")
+__all__ = ["SAME", "Change", "Keys", "Track", "read", "union", "write"]
+_MIXING = 1e-9
+KEPT = 1e-12
+"""A map that differs by less from one that changes nothing changes nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """A map of a vector property's values that is linear at each time; it may bend where a height is zero."""
+
+    times: Array
+    """Frames at which it is known, shape (time,)."""
+    matrix: Array
+    """Of values, shape (time or 1, component, component)."""
+    offset: Array
+    """What is added to them, shape (time or 1, component)."""
+    above: tuple[Array, Array] | None
+    """Matrix and offset where the height is above zero, None without a bend."""
+    height: tuple[Array, Array]
+    """Row and offset that give the height of a value, shapes (time or 1, component) and (time or 1,)."""
+    tolerance: Array
+    """Difference in each component that does not matter, shape (component,)."""
+
+    def groups(self) -> list[list[int]]:
+        """Return the components that mix with each other, each group in order."""
+        count = self.matrix.shape[-1]
+        mixing = np.eye(count, dtype=bool)
+        for matrix in [self.matrix] + ([] if self.above is None else [self.above[0]]):
+            mixing |= (np.abs(matrix) > _MIXING * np.abs(matrix).max()).any(axis=0)
+        if self.above is not None:
+            row = (np.abs(self.height[0]) > _MIXING).any(axis=0)
+            mixing |= np.outer(row, row)
+        mixing |= mixing.T
+        for _ in range(count):
+            mixing = mixing @ mixing
+        return [np.flatnonzero(mixing[i]).tolist() for i in range(count) if not mixing[i, :i].any()]
+
+    @property
+    def holds(self) -> bool:
+        """Whether the map is the same at all times."""
+        return len(self.matrix) == len(self.offset) == len(self.height[0]) == 1
+
+    def keeps(self, group: Sequence[int]) -> bool:
+        """Return whether the map changes nothing about some components."""
+        sides = [(self.matrix, self.offset)] + ([] if self.above is None else [self.above])
+        return all(
+            bool((np.abs(matrix[:, group][:, :, group] - np.eye(len(group))) < KEPT).all())
+            and bool((np.abs(offset[:, group]) < KEPT).all())
+            for matrix, offset in sides
+        )
+
+    def bends_in(self, group: Sequence[int]) -> bool:
+        """Return whether the map bends along some components."""
+        return self.above is not None and bool((np.abs(self.height[0][:, group]) > _MIXING).any())
+
+    def heights(self, group: Sequence[int], values: Array) -> Array:
+        """Return the heights of values of a group, shape (key, member), at the first times, shape (key,)."""
+        rows, offset = (part[: len(values)] for part in self.height)
+        return (rows[:, group] * values).sum(axis=-1) + offset
+
+    def applied(self, group: Sequence[int], values: Array, up: NDArray[np.bool_] | None = None) -> Array:
+        """Return values of a group, shape (key, member), mapped; ``up`` tells which are above the bend."""
+        out = _affine(self.matrix, self.offset, group, values)
+        if self.above is None:
+            return out
+        if up is None:
+            up = self.heights(group, values) > 0.0 if self.bends_in(group) else np.zeros(len(values), dtype=bool)
+        return np.where(up[:, None], _affine(*self.above, group, values), out)
+
+
+def _affine(matrix: Array, offset: Array, group: Sequence[int], values: Array) -> Array:
+    own = matrix[:, group][:, :, group]
+    return (own @ values[..., None])[..., 0] + offset[:, group]
 
 
 @dataclass(frozen=True, eq=False)
 class Track:
     """Keys of a vector property."""
 
-    times: Array
-    """Frames, shape (key,)."""
-    values: Array
-    """Shape (key, component)."""
-    left_times: Array
-    """Of the handles before the keys, shape (key,)."""
-    left: Array
-    """Values of these handles, shape (key, component)."""
-    right_times: Array
-    right: Array
-    settings: dict[str, NDArray[np.uint8]]
-    """Interpolation, easing and handle types of each key."""
+    curves: tuple[Keys | None, ...]
+    """By component, None for one without keys."""
+    still: Array
+    """Values of the components without keys, shape (component,)."""
+    sources: tuple[bpy.types.FCurve | None, ...]
+    """Curves that the keys are from, as long as nobody writes to them."""
 
-    def stays(self, component: int, value: float) -> bool:
-        """Return whether a component is ``value`` all the time."""
-        parts = (self.values, self.left, self.right)
-        return max(float(np.abs(part[:, component] - value).max()) for part in parts) < NOTHING
+    @property
+    def times(self) -> Array:
+        """All times of keys [frames], shape (time,)."""
+        return union([own.times for own in self.curves if own is not None])
 
-    def mapped(self, change: Callable[[Array], Array]) -> "Track":
-        """Return the track with keys and handles taken through a map of values, shape (key, component) to the same."""
-        return replace(self, values=change(self.values), left=change(self.left), right=change(self.right))
+    def mapped(self, at: Callable[[Array], Change]) -> "Track":
+        """Return the track with its values taken through a map.
+
+        Args:
+            at: Returns the map at some times.
+        """
+        change = at(self.times)
+        curves: list[Keys | None] = [None] * len(self.curves)
+        still = self.still.copy()
+        for group in change.groups():
+            if change.keeps(group):
+                for i in group:
+                    curves[i] = self.curves[i]
+                continue
+            found = self._joined(group, change)
+            if found is None:
+                values = change.applied(group, np.tile(self.still[group], (len(change.times), 1)))
+                still[group] = values[0]
+                if np.ptp(values, axis=0).max() > NOTHING:
+                    found = Joined.flat(change.times, self.still[group], LINEAR)
+            if found is None:
+                continue
+            if change.bends_in(group):
+                there = change if change.holds else at(found.times)
+                found = found.split_where(lambda values, g=group, c=there: c.heights(g, values))
+            there = change if change.holds else at(found.times)
+            for i, own in zip(group, _changed(found, group, there), strict=True):
+                curves[i] = own
+        return Track(tuple(curves), still, self.sources)
+
+    def same_as(self, other: "Track") -> bool:
+        """Return whether another track has the same keys, handles and interpolation, but for rounding."""
+        return all(
+            a.same_as(b) if a is not None and b is not None else a is b or _level(a, s, b, t)
+            for a, b, s, t in zip(self.curves, other.curves, self.still, other.still, strict=True)
+        )
+
+    def _joined(self, group: Sequence[int], change: Change) -> Joined | None:
+        """Return the curves of some components with common keys, None when they have none."""
+        sources = [self.sources[i] for i in group]
+        eased = set() if change.bends_in(group) else set(range(BEZIER + 1, MOST))
+        if not (change.holds and len(group) == 1 and change.matrix[0, group[0], group[0]] > 0.0):
+            eased -= {ELASTIC}  # its amplitude is absolute, and its phase has no mirror image
+        return join([self.curves[i] for i in group], self.still[group], sources, change.tolerance[group], eased)
 
 
-def read(found: CurveMap, path: str, defaults: Sequence[float]) -> Track | None:
+def _level(a: Keys | None, still_a: float, b: Keys | None, still_b: float) -> bool:
+    """Return whether two components, one of them at least without keys, stay at the same value."""
+    keys, still = (b, still_a) if a is None else (a, still_b)
+    return keys is not None and keys.stays(still)
+
+
+def _changed(found: Joined, group: Sequence[int], change: Change) -> list[Keys]:
+    """Return the keys of each component of a group, mapped."""
+    middle = found.middles
+    up = change.heights(group, middle) > 0.0 if change.bends_in(group) else np.zeros(len(middle), dtype=bool)
+    values = change.applied(group, found.values)
+    left = change.applied(group, found.left, np.append(up[:1], up) if len(up) else None)
+    right = change.applied(group, found.right, np.append(up, up[-1:]) if len(up) else None)
+    settings = found.settings
+    if len(group) == 1:
+        factor = abs(float(change.matrix[0, group[0], group[0]]))
+        amplitude = settings["amplitude"] * np.where(settings["interpolation"] == ELASTIC, factor, 1.0)
+        settings = settings | {"amplitude": amplitude.astype(np.float32)}
+    return replace(found, values=values, left=left, right=right, settings=settings).parts()
+
+
+def read(found: CurveMap, path: str, defaults: Sequence[float] | Array) -> Track | None:
     """Return the keys of a vector property, None when it has none.
 
     Args:
@@ -60,21 +182,23 @@ def read(found: CurveMap, path: str, defaults: Sequence[float]) -> Track | None:
         defaults: Values of components without a curve.
     """
     curves = [found.get((path, i)) for i in range(len(defaults))]
-    own = [_Curve.read(curve) for curve in curves if curve is not None and len(curve.keyframe_points)]
-    if not own:
+    sources = tuple(c if c is not None and len(c.keyframe_points) else None for c in curves)
+    if not any(source is not None for source in sources):
         return None
-    times = union([curve.times for curve in own])
-    parts = [
-        _Curve.read(curve).split(times)
-        if curve is not None and len(curve.keyframe_points)
-        else _Curve.flat(times, value)
-        for curve, value in zip(curves, defaults, strict=True)
-    ]
-    moving = [p for p, c in zip(parts, curves, strict=True) if c is not None and len(c.keyframe_points)]
-    left_times, left = _common([p.left for p in parts], [p.left for p in moving], times, parts)
-    right_times, right = _common([p.right for p in parts], [p.right for p in moving], times, parts)
-    values = np.stack([p.values for p in parts], axis=-1)
-    return Track(times, values, left_times, left, right_times, right, moving[0].settings)
+    own = tuple(None if source is None else Keys.read(source) for source in sources)
+    return Track(own, np.array(defaults, dtype=np.float64), sources)
+
+
+def trace(found: CurveMap, paths: Iterable[str]) -> bytes:
+    """Return all that can be seen of the keys of some properties, to see whether they have changed."""
+    wanted = set(paths)
+    parts: list[bytes] = []
+    for (path, index), curve in sorted(found.items(), key=lambda pair: pair[0]):
+        if path in wanted:
+            own = Keys.read(curve)
+            seen = [own.times, own.values, own.left, own.right, *(own.settings[name] for name in OF_PIECE)]
+            parts += [f"{path}[{index}]".encode(), *(values.tobytes() for values in seen)]
+    return b"".join(parts)
 
 
 def write(
@@ -83,177 +207,62 @@ def write(
     path: str,
     track: Track,
     group: str,
-    defaults: Sequence[float] | None = None,
+    defaults: Sequence[float] | Array | None = None,
 ) -> None:
-    """Replace the keys of a vector property; curves keep their modifiers and extrapolation.
+    """Replace the keys of a vector property; curves keep their modifiers and extrapolation, new ones get the others'.
 
     Components that have no curve and never leave their default, if there is one, are not given one.
     """
-    for i in range(track.values.shape[1]):
+    first = next(source for source in track.sources if source is not None)
+    for i, keys in enumerate(track.curves):
         curve = found.get((path, i))
+        if keys is None or (curve is None and defaults is not None and keys.stays(float(defaults[i]))):
+            continue
         if curve is None:
-            if defaults is not None and track.stays(i, defaults[i]):
-                continue
             curve = found[path, i] = bag.fcurves.new(path, index=i)
             put_in_group(bag, curve, group)
-        _fill(curve, track, i)
+            _fill(curve, keys)
+            _behave_like(curve, track.sources[i] or first)
+        else:
+            _fill(curve, keys)
 
 
-def _fill(curve: bpy.types.FCurve, track: Track, component: int) -> None:
+def _behave_like(curve: bpy.types.FCurve, other: bpy.types.FCurve) -> None:
+    curve.extrapolation = other.extrapolation
+    for modifier in other.modifiers:
+        copy_modifier(modifier, curve)
+
+
+def _fill(curve: bpy.types.FCurve, keys: Keys) -> None:
     """Replace the keys of one curve. Handles that Blender would compute otherwise become free ones."""
     points = curve.keyframe_points
-    points.clear()
-    points.add(len(track.times))
-    points.foreach_set("co", _pairs(track.times, track.values[:, component]))
-    for name, values in track.settings.items():
+    if len(points) != len(keys.times):
+        points.clear()
+        points.add(len(keys.times))
+    points.foreach_set("co", _pairs(keys.times, keys.values))
+    for name, values in keys.settings.items():
         points.foreach_set(name, values)
-    left = _pairs(track.left_times, track.left[:, component])
-    right = _pairs(track.right_times, track.right[:, component])
-    points.foreach_set("handle_left", left)
-    points.foreach_set("handle_right", right)
-    curve.update()
-    for name, wanted in (("handle_left", left), ("handle_right", right)):
-        now = np.empty(len(wanted), dtype=np.float32)
-        points.foreach_get(name, now)
-        off = np.abs(now - wanted).reshape(-1, 2).max(axis=-1) > 1e-6 * (1.0 + np.abs(wanted.reshape(-1, 2)).max())
-        if off.any():
-            for kind in ("handle_left_type", "handle_right_type"):
-                points.foreach_set(kind, np.where(off, _FREE, track.settings[kind]).astype(np.uint8))
-            points.foreach_set("handle_left", left)
-            points.foreach_set("handle_right", right)
-            curve.update()
+    handles = {"handle_left": keys.left, "handle_right": keys.right}
+    free = np.zeros(len(keys.times), dtype=bool)
+    for _ in range(2):  # Blender computes handles of some types anew
+        for name, wanted in handles.items():
+            points.foreach_set(name, wanted.astype(np.float32).ravel())
+        curve.update()
+        for name, wanted in handles.items():
+            free |= _off(points, name, wanted, np.abs(keys.values).max())
+        if not free.any():
+            return
+        for kind in ("handle_left_type", "handle_right_type"):
+            points.foreach_set(kind, np.where(free, FREE, keys.settings[kind]).astype(np.uint8))
+
+
+def _off(points: bpy.types.FCurveKeyframePoints, name: str, wanted: Array, size: float) -> NDArray[np.bool_]:
+    """Return which handles are not where they shall be."""
+    now = np.empty(2 * len(wanted), dtype=np.float32)
+    points.foreach_get(name, now)
+    away = np.abs(now.reshape(-1, 2) - wanted)
+    return (away[:, 0] > SAME) | (away[:, 1] > 1e-6 * max(size, 1e-3))
 
 
 def _pairs(times: Array, values: Array) -> NDArray[np.float32]:
     return np.stack([times, values], axis=-1).astype(np.float32).ravel()
-
-
-def union(times: Sequence[Array]) -> Array:
-    """Return all times once."""
-    if not times:
-        return np.empty(0)
-    found = np.sort(np.concatenate(times))
-    return found[np.concatenate([[True], np.diff(found) > SAME])]
-
-
-def _common(all_: list[Array], moving: list[Array], times: Array, parts: list["_Curve"]) -> tuple[Array, Array]:
-    """Return common handle times and the handles' values at them, shapes (key,) and (key, component)."""
-    stacked = np.stack([handles[:, 0] for handles in moving])
-    lengths = stacked.mean(axis=0)
-    alike = np.ptp(stacked, axis=0) < SAME
-    out = np.empty((len(times), len(all_)))
-    for i, (handles, part) in enumerate(zip(all_, parts, strict=True)):
-        away = handles[:, 0] - times
-        slope = (handles[:, 1] - part.values) / np.where(np.abs(away) > SAME, away, 1.0)
-        along = part.values + np.where(np.abs(away) > SAME, slope, 0.0) * (lengths - times)
-        out[:, i] = np.where(alike & (np.abs(handles[:, 0] - lengths) < SAME), handles[:, 1], along)
-    return lengths, out
-
-
-@dataclass(frozen=True, eq=False)
-class _Curve:
-    """Keys of one curve."""
-
-    times: Array
-    values: Array
-    left: Array
-    """Time and value of the handle before each key, shape (key, 2)."""
-    right: Array
-    settings: dict[str, NDArray[np.uint8]]
-
-    @classmethod
-    def read(cls, curve: bpy.types.FCurve) -> "_Curve":
-        """Return the keys of a curve."""
-        points = curve.keyframe_points
-        count = len(points)
-        pairs: dict[str, Array] = {}
-        for name in ("co", "handle_left", "handle_right"):
-            buffer = np.empty(count * 2, dtype=np.float32)
-            points.foreach_get(name, buffer)
-            pairs[name] = buffer.astype(np.float64).reshape(count, 2)
-        settings = {name: np.empty(count, dtype=np.uint8) for name in _SETTINGS}
-        for name, values in settings.items():
-            points.foreach_get(name, values)
-        return cls(pairs["co"][:, 0], pairs["co"][:, 1], pairs["handle_left"], pairs["handle_right"], settings)
-
-    @classmethod
-    def flat(cls, times: Array, value: float) -> "_Curve":
-        """Return a curve that stays where it is."""
-        values = np.full(len(times), value)
-        handles = np.stack([times, values], axis=-1)
-        return cls(times, values, handles, handles.copy(), {})
-
-    def split(self, times: Array) -> "_Curve":
-        """Return the same curve with keys at ``times`` as well."""
-        out = self
-        for time in times:
-            if np.abs(out.times - time).min() > SAME:
-                out = out._with_key(float(time))
-        return out
-
-    def _with_key(self, time: float) -> "_Curve":
-        place = int(np.searchsorted(self.times, time))
-        if place in (0, len(self.times)):
-            return self._beyond(time, place)
-        before, after = place - 1, place
-        left, right = self.left.copy(), self.right.copy()
-        if self.settings["interpolation"][before] == _BEZIER:
-            p0 = np.array([self.times[before], self.values[before]])
-            p3 = np.array([self.times[after], self.values[after]])
-            p1, p2 = _kept_in(p0, self.right[before], self.left[after], p3)
-            t = _parameter(p0[0], p1[0], p2[0], p3[0], time)
-            a, b, c = p0 + t * (p1 - p0), p1 + t * (p2 - p1), p2 + t * (p3 - p2)
-            d, e = a + t * (b - a), b + t * (c - b)
-            right[before], left[after], value = a, c, d + t * (e - d)
-            own_left, own_right = d, e
-        else:
-            value = np.array([time, self._between(before, time)])
-            own_left = own_right = value
-        settings = {name: np.insert(v, place, v[before]) for name, v in self.settings.items()}
-        for side in ("handle_left_type", "handle_right_type"):
-            settings[side][before : after + 2] = _FREE
-        return _Curve(
-            np.insert(self.times, place, time),
-            np.insert(self.values, place, value[1]),
-            np.insert(left, place, own_left, axis=0),
-            np.insert(right, place, own_right, axis=0),
-            settings,
-        )
-
-    def _between(self, before: int, time: float) -> float:
-        """Return the value between two keys that no Bezier curve joins: a line, or a step for constant ones."""
-        if self.settings["interpolation"][before] == 0:
-            return float(self.values[before])
-        return float(np.interp(time, self.times, self.values))
-
-    def _beyond(self, time: float, place: int) -> "_Curve":
-        """Return the curve with a key before its first or after its last one, where it is constant."""
-        end = 0 if place == 0 else len(self.times) - 1
-        handle = np.array([time, self.values[end]])
-        return _Curve(
-            np.insert(self.times, place, time),
-            np.insert(self.values, place, self.values[end]),
-            np.insert(self.left, place, handle, axis=0),
-            np.insert(self.right, place, handle, axis=0),
-            {name: np.insert(v, place, v[end]) for name, v in self.settings.items()},
-        )
-
-
-def _kept_in(p0: Array, p1: Array, p2: Array, p3: Array) -> tuple[Array, Array]:
-    """Return handles shortened as Blender does where they overlap in time."""
-    length, total = p3[0] - p0[0], abs(p1[0] - p0[0]) + abs(p3[0] - p2[0])
-    if total <= length:
-        return p1, p2
-    share = length / total
-    return p0 + share * (p1 - p0), p3 + share * (p2 - p3)
-
-
-def _parameter(x0: float, x1: float, x2: float, x3: float, time: float) -> float:
-    """Return where a Bezier curve that runs forward in time is at ``time``."""
-    low, high = 0.0, 1.0
-    for _ in range(60):
-        t = 0.5 * (low + high)
-        s = 1.0 - t
-        x = s**3 * x0 + 3.0 * s * s * t * x1 + 3.0 * s * t * t * x2 + t**3 * x3
-        low, high = (t, high) if x < time else (low, t)
-    return 0.5 * (low + high)

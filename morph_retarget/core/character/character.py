@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from ..skeleton import Skeleton
 from .frame import CharacterFrame, Placement
@@ -57,7 +58,7 @@ class Character:
         """The way from world space to the character frame."""
         return self.frame.world_to_character
 
-    @property
+    @cached_property
     def local_to_character(self) -> Placement:
         """The way from armature space to the character frame."""
         return self.placement.then(self.frame.world_to_character)
