@@ -180,7 +180,7 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
             told = cast.tell(ob) if query.is_ready(ob) else []
             if ob != active and told:
-                row.label(text=str(len(told)), icon="ERROR")
+                row.label(text="", icon="ERROR")
             for text in told if ob == active else ():
                 say(box, text, "ERROR", context)
 
