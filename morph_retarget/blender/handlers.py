@@ -42,6 +42,7 @@ def _on_undo(scene: bpy.types.Scene, *_: object) -> None:
 
 @persistent
 def _on_save(*_: object) -> None:
+    cast.keep_overrides()
     migrations.stamp()
 
 

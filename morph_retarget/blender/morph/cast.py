@@ -4,7 +4,7 @@ What is found here is kept by Blender's session-wide number of the object and dr
 definition or a rig is edited, and when another action is assigned.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import bpy
@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core import play
 from ...core.character.character import Character
-from ...core.errors import MorphError
+from ...core.errors import MorphError, MotionError
 from ...core.morph.bind import Binding, GeneralizedAction, bind
 from ...core.morph.bodies import Bodies
 from ...core.morph.channels import TargetKind
@@ -138,8 +138,15 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
         return known[1]
     rig, character, bodies = analysed(ob)
     ensure_values(ob, action)
-    definition = definitions.read(action)
+    definition, unknown = definitions.read_known(action)
     binding = bind(definition, bodies, own.variant, missing(ob, definition))
+    if unknown:
+        binding = replace(
+            binding,
+            entries=tuple(entry for entry in binding.entries if entry.channel not in unknown),
+            selected=tuple(() if i in unknown else bodies for i, bodies in enumerate(binding.selected)),
+            problems=(*unknown.values(), *binding.problems),
+        )
     found = Member(rig, action, definition, character, binding)
     _members[ob.session_uid] = (state, found)
     return found
@@ -173,15 +180,30 @@ def ensure_values(ob: bpy.types.Object, action: bpy.types.Action) -> None:
                 own[item.name].deforms.add().name = deform
 
 
+def keep_overrides() -> None:
+    """Let what is overridden on armatures be saved.
+
+    Blender 5.2 compares an override with its original in the library when a file is saved, and writes what it cannot
+    read again where the original has none of our data at all. So the originals get some, for this session.
+    """
+    for ob in bpy.data.objects:
+        override = ob.override_library
+        if override is not None and ob.type == "ARMATURE" and isinstance(override.reference, bpy.types.Object):
+            original = of_rig(override.reference)
+            original.variant = original.variant
+
+
 def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
     """Let an armature play a generalized action, through the slot that all others share.
 
     Raises:
-        MorphError: It cannot be analysed.
+        MorphError: It cannot be analysed, or the action is linked and has no slot.
     """
     analysed(ob)
     ensure_values(ob, action)
     slot = next((slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}), None)
+    if slot is None and action.library is not None:
+        raise MotionError(f"action {action.name!r} is linked from a library where nobody plays it: make it local")
     if slot is None:
         slot = action.slots.new(id_type="OBJECT", name="Characters")
     before, _ = actions.assigned(ob)

@@ -1,6 +1,7 @@
 """Channel definitions between Blender's properties and the core's plain data."""
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 
 import bpy
@@ -29,21 +30,53 @@ def read(action: bpy.types.Action) -> GeneralizedAction:
     Raises:
         MotionError: A newer version made it, or a setting has a value that this version does not know.
     """
+    _check(action)
     own = of_action(action)
-    if own.version > migrations.VERSION:
+    return GeneralizedAction(action.name, tuple(channel(item) for item in own.channels), _branch(action))
+
+
+def read_known(action: bpy.types.Action) -> tuple[GeneralizedAction, Mapping[int, str]]:
+    """Return what an action defines, and why some of its channels, by number, cannot play; these pose nothing.
+
+    Raises:
+        MotionError: A newer version made it, or a predicate has a value that this version does not know.
+    """
+    _check(action)
+    found: list[Channel] = []
+    unknown: dict[int, str] = {}
+    for i, item in enumerate(of_action(action).channels):
+        try:
+            found.append(channel(item))
+        except MotionError as error:
+            unknown[i] = str(error)
+            nothing = Context(Capability.ROOT)
+            found.append(Channel(item.name, nothing, poses_position=False, poses_rotation=False))
+    return GeneralizedAction(action.name, tuple(found), _branch(action)), unknown
+
+
+def _check(action: bpy.types.Action) -> None:
+    if of_action(action).version > migrations.VERSION:
         raise MotionError(
             f"action {action.name!r} was made by a newer version of Morph Retarget: update the extension to play it"
         )
-    branch = Branch(
-        upright_spine=Answer(own.upright_spine),
-        has_graspers=Answer(own.has_graspers),
-        has_feet=Answer(own.has_feet),
-        has_mouth=Answer(own.has_mouth),
-        has_tail=Answer(own.has_tail),
-        has_wings=Answer(own.has_wings),
-        leg_count=None if own.leg_count < 0 else own.leg_count,
-    )
-    return GeneralizedAction(action.name, tuple(channel(item) for item in own.channels), branch)
+
+
+def _branch(action: bpy.types.Action) -> Branch:
+    own = of_action(action)
+    try:
+        return Branch(
+            upright_spine=Answer(own.upright_spine),
+            has_graspers=Answer(own.has_graspers),
+            has_feet=Answer(own.has_feet),
+            has_mouth=Answer(own.has_mouth),
+            has_tail=Answer(own.has_tail),
+            has_wings=Answer(own.has_wings),
+            leg_count=None if own.leg_count < 0 else own.leg_count,
+        )
+    except ValueError as error:
+        raise MotionError(
+            f"action {action.name!r} has a predicate that this version does not know ({error}): choose it again"
+        ) from error
 
 
 def channel(item: MORPHRETARGET_PG_channel) -> Channel:

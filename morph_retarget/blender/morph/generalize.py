@@ -11,7 +11,7 @@ from ...core.arrays import Array
 from ...core.morph import movement, specialize
 from ...core.morph.movement import Frames
 from ..properties import of_rig
-from . import pose
+from . import cast, pose
 from .cast import Member
 from .properties import of_action
 from .shown import Shown
@@ -52,7 +52,7 @@ def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Map
         return None
     before = shown.get(ob.session_uid)
     bone = bpy.context.active_pose_bone
-    if before is None or bone is None or before.member.part.binding.action.name != before.member.action.name:
+    if before is None or bone is None or before.member.action != cast.action_of(ob):
         return None
     entry = entry_for(before.member, bone.name)
     if entry is None:
@@ -69,10 +69,11 @@ def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Map
 
 
 def entry_for(member: Member, bone: str) -> int | None:
-    """Return who poses a bone, the active channel first; None when no channel does."""
+    """Return who poses a bone, else a body that it brings to its place; the active channel first, None without one."""
     body = member.rig.skeleton.index.get(bone)
-    entries = member.part.binding.entries
-    own = [i for i, e in enumerate(entries) if e.body == body and (e.position or e.rotation)]
+    entries = member.binding.entries
+    posing = [i for i, e in enumerate(entries) if e.position or e.rotation]
+    own = [i for i in posing if entries[i].body == body] or [i for i in posing if bone in _chain(member, i)]
     active = of_action(member.action).active_channel
     return next((i for i in own if entries[i].channel == active), own[0] if own else None)
 

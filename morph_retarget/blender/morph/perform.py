@@ -60,7 +60,9 @@ def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
 
 def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> None:
     """Put right what Blender has just keyed by number, and generalize specialized curves that were reshaped."""
-    for ob in found:
+    layer = bpy.context.view_layer
+    active = layer.objects.active if layer is not None else None
+    for ob in sorted(found, key=lambda ob: ob != active):  # numbers are those of the object that was keyed
         action = cast.action_of(ob)
         if action is not None and action in edited:
             keys.by_name(action, ob)

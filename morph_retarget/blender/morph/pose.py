@@ -58,7 +58,11 @@ def show(rig: Rig, played: Played, but: Collection[str] = ()) -> dict[str, Singl
         buffer = np.empty(len(bones) * _WIDTHS[prop], dtype=np.float32)
         bones.foreach_get(prop, buffer)
         buffer.reshape(len(bones), _WIDTHS[prop])[[place for place, _ in given]] = np.array([v for _, v in given])
-        bones.foreach_set(prop, buffer)
+        if rig.object.library is None:
+            bones.foreach_set(prop, buffer)
+        else:  # Blender sets linked data one by one alone
+            for place, value in given:
+                setattr(bones[place], prop, value)
         now[prop] = buffer
     rig.object.update_tag(refresh={"OBJECT"})
     return now

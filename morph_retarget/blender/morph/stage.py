@@ -90,7 +90,7 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
     """
     seen = target.evaluated_get(graph)
     if not bone:
-        return np.array(seen.matrix_world.translation, dtype=np.float64)
+        return _matrix_of(target, graph)[:3, 3]
     if cast.action_of(target) is not None and not of_rig(target).muted:
         try:
             other = cast.member(target)
@@ -100,13 +100,12 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
             played = play.evaluate(other.free, values_of(other, seen), {})
             body = other.rig.skeleton.index[bone]
             local = other.character.local_to_character.inverse().points(played.pose.positions[0, body])
-            return to_world(seen, local)
-    return to_world(seen, np.array(pose_of(seen).bones[bone].head, dtype=np.float64))
+            return _through(_matrix_of(target, graph), local)
+    head = np.array(pose_of(seen).bones[bone].head, dtype=np.float64)
+    return _through(_matrix_of(target, graph), head)
 
 
-def to_world(ob: bpy.types.Object, local: Array) -> Array:
-    """Return a point of an object's own space in the world, shape (3,)."""
-    matrix = np.array(ob.matrix_world, dtype=np.float64)
+def _through(matrix: Array, local: Array) -> Array:
     return matrix[:3, :3] @ local + matrix[:3, 3]
 
 
@@ -114,3 +113,18 @@ def to_character(member: Member, ob: bpy.types.Object, world: Array) -> Array:
     """Return a point of the world in the frame of a character, which goes where its object goes, shape (3,)."""
     matrix = np.linalg.inv(np.array(ob.matrix_world, dtype=np.float64))
     return member.character.local_to_character.points(matrix[:3, :3] @ world + matrix[:3, 3])
+
+
+def _matrix_of(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Array:
+    """Return where an object is in the world, shape (4, 4).
+
+    One that Blender does not evaluate, being hidden or in no collection of the view layer, is where it was put.
+    """
+    layer = graph.view_layer_eval
+    seen = layer.objects.get(ob.name) if layer is not None else None
+    if seen is not None and seen.original == ob:
+        return np.array(seen.matrix_world, dtype=np.float64)
+    own = np.array(ob.matrix_basis, dtype=np.float64)
+    if ob.parent is None:
+        return own
+    return _matrix_of(ob.parent, graph) @ np.array(ob.matrix_parent_inverse, dtype=np.float64) @ own
