@@ -25,7 +25,8 @@ from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
 from .morph import properties as morph
-from .morph.properties import Performer
+from .morph import values
+from .morph.values import Performer
 from .retarget import Options, Reference
 
 BY_USER = ("user", "preset")
@@ -295,6 +296,7 @@ def of_rig(ob: bpy.types.Object) -> MORPHRETARGET_PG_rig:
 
 
 CLASSES = (
+    *values.CLASSES,
     *morph.CLASSES,
     MORPHRETARGET_PG_joint,
     MORPHRETARGET_PG_contact,

@@ -7,7 +7,7 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
-from .morph import autokey, cast, keys, perform, remap
+from .morph import autokey, cast, keys, perform, remap, values
 from .morph import properties as morph
 from .ui import overlay
 
@@ -18,8 +18,8 @@ _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (morph.movement_listeners, remap.changed),
     (morph.name_listeners, keys.rename),
     (morph.definition_listeners, perform.definition_changed),
-    (morph.value_listeners, autokey.valued),
-    (morph.character_listeners, perform.character_changed),
+    (values.value_listeners, autokey.valued),
+    (values.character_listeners, perform.character_changed),
 )
 """Who is told of which changes of settings."""
 

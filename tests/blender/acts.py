@@ -9,7 +9,8 @@ import numpy as np
 
 from morph_retarget.blender.io import load
 from morph_retarget.blender.morph import cast, definitions, keys, perform, stage
-from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_channel, MORPHRETARGET_PG_values, of_action
+from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_channel, of_action
+from morph_retarget.blender.morph.values import MORPHRETARGET_PG_values
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array

@@ -13,7 +13,7 @@ from ..io import save
 from ..io.load import Request
 from ..morph import bake, cast, choice, deforms, pose
 from ..morph.bake import Options, Take
-from ..morph.properties import MORPHRETARGET_PG_values
+from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
 from . import action_file, data, numbers
 from .action_file import ActionFile

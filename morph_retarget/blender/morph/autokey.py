@@ -15,7 +15,8 @@ from ..properties import of_rig
 from ..rig import pose_bone
 from . import cast, keys
 from .generalize import Held
-from .properties import MORPHRETARGET_PG_values, of_action
+from .properties import of_action
+from .values import MORPHRETARGET_PG_values
 
 PAUSE = 0.1
 """Between looks at whether a drag is over [s]."""

@@ -21,7 +21,8 @@ from .. import actions, collect
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of, pose_of
 from . import definitions, keys
-from .properties import MORPHRETARGET_PG_values, of_action
+from .properties import of_action
+from .values import MORPHRETARGET_PG_values
 
 problems: dict[int, str] = {}
 """Why an armature does not play its action, by session-wide number."""

@@ -18,7 +18,7 @@ from ..properties import of_rig
 from ..rig import pose_of
 from . import stage
 from .cast import Member
-from .properties import MORPHRETARGET_PG_values
+from .values import MORPHRETARGET_PG_values
 
 _TRANSFORMS = {f"{prefix}{name}" for prefix in ("", "delta_") for name in ("location", "scale", *ROTATIONS)}
 

@@ -9,7 +9,8 @@ from ...core.character.morphology import Capability
 from ...core.errors import MotionError
 from ...core.morph.context import Context
 from ..morph import cast, definitions, keys, perform, tracks
-from ..morph.properties import MORPHRETARGET_PG_context, MORPHRETARGET_PG_values, of_action, unlike
+from ..morph.properties import MORPHRETARGET_PG_context, of_action, unlike
+from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
 from .generalized import FIRST, action_meant, add_channel, generalized_actions
 from .manners import Status, refuse, reporting, scene_in

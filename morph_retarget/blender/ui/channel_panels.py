@@ -11,7 +11,8 @@ from ...core.errors import MorphError, listed
 from ...core.morph import words
 from ...core.morph.channels import Channel
 from ..morph import cast, definitions, query
-from ..morph.properties import MORPHRETARGET_PG_channel, MORPHRETARGET_PG_context, MORPHRETARGET_PG_values, of_action
+from ..morph.properties import MORPHRETARGET_PG_channel, MORPHRETARGET_PG_context, of_action
+from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
 from .tab import InTab, say, split_layout
 

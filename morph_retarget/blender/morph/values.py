@@ -1,0 +1,130 @@
+"""What armature objects keep of generalized actions: the keyed values of channels, and how they play."""
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+value_listeners: list[Callable[["MORPHRETARGET_PG_values", str], None]] = []
+"""Called after a value of a channel was set by hand, with the name of its property."""
+character_listeners: list[Callable[[bpy.types.ID], None]] = []
+"""Called after a setting of a character has changed."""
+
+_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
+_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+
+
+def _cast(own: Any, _: bpy.types.Context) -> None:
+    for listener in character_listeners:
+        listener(own.id_data)
+
+
+def _valued(part: str) -> Callable[["MORPHRETARGET_PG_values", bpy.types.Context], None]:
+    def tell(own: "MORPHRETARGET_PG_values", _: bpy.types.Context) -> None:
+        """Tell that a value was set."""
+        for listener in value_listeners:
+            listener(own, part)
+
+    return tell
+
+
+class MORPHRETARGET_PG_deform(bpy.types.PropertyGroup):
+    """A scalar curve for shape keys and custom properties of the same name."""
+
+    value: FloatProperty(name="Value", description="Of shape keys and custom properties that are called like it")
+
+
+class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
+    """The values of one channel; `name` is the channel's."""
+
+    position: FloatVectorProperty(
+        name="Position",
+        description="Generalized position",
+        size=3,
+        default=(0.0, 0.0, 0.0),
+        precision=3,
+        step=1,
+        update=_valued("position"),
+    )
+    rotation: FloatVectorProperty(
+        name="Rotation",
+        description="Generalized rotation, a quaternion",
+        size=4,
+        subtype="QUATERNION",
+        default=(1.0, 0.0, 0.0, 0.0),
+        update=_valued("rotation"),
+    )
+    weight: FloatProperty(
+        name="Weight",
+        description="How much the channel counts",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_valued("weight"),
+    )
+    deforms: CollectionProperty(
+        type=MORPHRETARGET_PG_deform, name="Deforms", description="Scalar curves, such as open and closed"
+    )
+    target: PointerProperty(
+        type=bpy.types.Object,
+        name="Target",
+        description="Object that the channel moves relative to, on this character",
+        override=_OVERRIDABLE,
+        update=_cast,
+    )
+    target_bone: StringProperty(
+        name="Bone",
+        description="Bone of the target; its origin when empty",
+        override=_OVERRIDABLE,
+        update=_cast,
+    )
+    active_body: StringProperty(
+        name="Active Body", description="Bone that curves are specialized for and keys are kept for"
+    )
+
+
+class Performer:
+    """How an armature plays generalized actions; part of the rig's own group."""
+
+    channels: CollectionProperty(
+        type=MORPHRETARGET_PG_values,
+        name="Channels",
+        description="Generalized values by channel",
+        override=_OVERRIDABLE_LIST,
+    )
+    variant: IntProperty(
+        name="Variant",
+        description="Which of the ways in which the action can play on this character",
+        min=0,
+        override=_OVERRIDABLE,
+        update=_cast,
+    )
+    stands_for: PointerProperty(
+        type=bpy.types.Object,
+        name="Stands For",
+        description="Character whose channel is edited through this object's curves",
+        options={"HIDDEN"},
+    )
+    stands_for_body: StringProperty(name="Body", description="Body whose curves this object shows", options={"HIDDEN"})
+    stands_for_channel: StringProperty(
+        name="Channel", description="Channel that is edited through this object's curves", options={"HIDDEN"}
+    )
+    muted: BoolProperty(
+        name="Mute",
+        description="Leave the pose of this character alone",
+        override=_OVERRIDABLE,
+        update=_cast,
+    )
+
+
+CLASSES = (MORPHRETARGET_PG_deform, MORPHRETARGET_PG_values)
