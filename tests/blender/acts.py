@@ -7,6 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from morph_retarget.blender import rig
 from morph_retarget.blender.io import load
 from morph_retarget.blender.morph import cast, definitions, keys, perform, stage
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_channel, of_action
@@ -14,6 +15,8 @@ from morph_retarget.blender.morph.values import MORPHRETARGET_PG_values
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array
+from morph_retarget.core.character.character import Character
+from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.solve.goals import Goals
 from tools import armatures, creatures
@@ -74,10 +77,19 @@ def act(obs: Iterable[bpy.types.Object], *channels: Channel, name: str = "Act") 
     return Act(action, found)
 
 
-def creature(name: str, seed: int | None = 7) -> bpy.types.Object:
-    """Return one of our creatures as a bare armature, bones rolled at random."""
-    rng = None if seed is None else np.random.default_rng(seed)
-    return armatures.build(name.capitalize(), creatures.CREATURES[name](), rng)
+_analysed: dict[str, tuple[Character, Bodies]] = {}
+
+
+def creature(name: str) -> bpy.types.Object:
+    """Return one of our creatures as a bare armature, bones rolled at random; its like is analysed only once."""
+    ob = armatures.build(name.capitalize(), creatures.CREATURES[name](), np.random.default_rng(7))
+    if name in _analysed:
+        cast._analysed[ob.session_uid] = (rig.read(ob), *_analysed[name])
+        cast._rests[ob.session_uid] = cast._rest_of(ob)
+    else:
+        _, character, bodies = cast.analysed(ob)
+        _analysed[name] = (character, bodies)
+    return ob
 
 
 def character(name: str) -> bpy.types.Object:

@@ -20,6 +20,7 @@ from tests.blender.acts import Act
 ops = bpy.ops.morph_retarget
 SAME = 1e-5
 """Half a hundredth of what can be seen [m or rad]."""
+BOTH = ("biped", "lopside")
 MODES = {
     "limb": Movement(scale=ScaleMode.LIMB_LENGTH),
     "size and ground": Movement(scale=ScaleMode.CREATURE_SIZE, ground_relative=True),
@@ -35,11 +36,11 @@ def _registered() -> Iterator[None]:
         yield
 
 
-def _act(modes: str = "limb", body: str = "Hand.L") -> Act:
-    """Return two creatures that move their hands, which are told to in curves with unequal keys."""
+def _act(modes: str = "limb", body: str = "Hand.L", *names: str) -> Act:
+    """Return creatures that move their hands, in curves with unequal keys; a biped alone without names."""
     channel = Channel("Hands", Context(Capability.GRASPER), MODES[modes], TargetKind.EXTERNAL, mirror=MirrorRule.LEFT)
-    act = acts.act([acts.creature("biped"), acts.creature("lopside")], channel)
-    for i in range(2):
+    act = acts.act([acts.creature(name) for name in names or ("biped",)], channel)
+    for i in range(len(act.obs)):
         act.values(i).target = acts.empty_object("Fruit", (0.3, -0.6, 0.9))
         act.values(i).active_body = body
     rng = np.random.default_rng(5)
@@ -77,7 +78,7 @@ def _goal(act: Act, i: int, body: str) -> np.ndarray:
 
 @pytest.mark.parametrize(("modes", "body"), [*((modes, "Hand.L") for modes in MODES), ("target", "Hand.R")])
 def test_the_stand_in_is_where_the_body_shall_be_at_every_frame(modes: str, body: str) -> None:
-    act = _act(modes, body)
+    act = _act(modes, body, *BOTH)
     scenes.stand(act.obs[1], scenes.matrix((10, 20, 70), 0.5, (1, 2, 0.3)))
     bpy.context.view_layer.objects.active = act.obs[1]
     empty = _start(act, 1)
@@ -204,7 +205,7 @@ def _follows(act: Act, empty: bpy.types.Object, body: str = "Hand.L") -> None:
     ],
 )
 def test_the_body_goes_where_the_reshaped_curves_lead(modes: str, edit: str) -> None:
-    act = _act(modes)
+    act = _act(modes, "Hand.L", *BOTH)
     empty = _start(act)
     was = [acts.motion(ob) for ob in act.obs]
     curve = _curve(empty, 1)
@@ -234,7 +235,7 @@ def test_the_body_goes_where_the_reshaped_curves_lead(modes: str, edit: str) -> 
 
 
 def test_turns_are_reshaped_too() -> None:
-    act = _act("target")
+    act = _act("target", "Hand.L", *BOTH)
     empty = _start(act)
     was = [acts.motion(ob) for ob in act.obs]
     for index, value in enumerate((0.8, 0.6, 0.0, 0.0)):
@@ -273,7 +274,7 @@ def test_cycles_stay_cycles() -> None:
 
 
 def test_stand_ins_of_several_characters_and_direct_edits_show_the_same_keys() -> None:
-    act = _act()
+    act = _act("limb", "Hand.L", *BOTH)
     empties = [_start(act, i) for i in range(2)]
     _curve(empties[0], 0).keyframe_points[0].co_ui[1] += 0.2
     for _ in range(2):  # what one update changes the next one tells of
@@ -295,7 +296,7 @@ def test_stand_ins_of_several_characters_and_direct_edits_show_the_same_keys() -
 
 
 def test_the_stand_in_and_its_action_are_gone_afterwards() -> None:
-    act = _act()
+    act = _act("limb", "Hand.L", *BOTH)
     _start(act)
     _start(act, 1)
     ops.finish_specialized()
@@ -345,7 +346,7 @@ def test_a_channel_that_was_deleted_is_told_and_the_curves_are_kept() -> None:
 
 
 def test_a_character_that_was_deleted_is_told_and_the_others_play_on() -> None:
-    act = _act()
+    act = _act("limb", "Hand.L", *BOTH)
     empty, keyed = _start(act), scenes.keys_of(act.action)
     bpy.data.objects.remove(act.obs[0])
     bpy.context.view_layer.update()

@@ -200,6 +200,8 @@ def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
     Raises:
         MorphError: It cannot be analysed, or the action is linked and has no slot.
     """
+    if is_edited(ob):
+        forget(ob, rig=True)
     analysed(ob)
     ensure_values(ob, action)
     slot = next((slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}), None)

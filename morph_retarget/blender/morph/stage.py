@@ -105,6 +105,11 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
     return _through(_matrix_of(target, graph), head)
 
 
+def to_world(ob: bpy.types.Object, local: Array) -> Array:
+    """Return a point of an object's own space in the world, shape (3,)."""
+    return _through(np.array(ob.matrix_world, dtype=np.float64), local)
+
+
 def _through(matrix: Array, local: Array) -> Array:
     return matrix[:3, :3] @ local + matrix[:3, 3]
 
