@@ -247,7 +247,7 @@ def test_a_single_key_and_single_components_are_enough() -> None:
     _stays(act)
 
 
-def test_a_curve_without_a_change_is_not_touched_by_a_muted_one() -> None:
+def test_a_muted_curve_is_remapped_with_the_others() -> None:
     act = _hands()
     _key(act)
     act.curve("position", 1).mute = True
@@ -286,7 +286,7 @@ def test_an_active_body_that_is_mirrored_moves_as_before(side: str) -> None:
     act.values().target = acts.empty_object("Fruit", (0.3, -0.5, 0.8))
     _key(act)
     _key_more(act)
-    mirrored = {act_body(e.body, ob): e.mirrored for e in cast.member(ob).binding.entries}
+    mirrored = {_name_of(e.body, ob): e.mirrored for e in cast.member(ob).binding.entries}
     assert mirrored[body] == (side == "R")
     was = acts.motion(ob, body=body)
     for wanted in ({"target": "external"}, MIXING, {"sagittal_relative": True}, {"ground_relative": True}, FIRST):
@@ -294,7 +294,7 @@ def test_an_active_body_that_is_mirrored_moves_as_before(side: str) -> None:
         assert acts.apart(acts.motion(ob, body=body), was) < SAME, wanted
 
 
-def act_body(body: int, ob: bpy.types.Object) -> str:
+def _name_of(body: int, ob: bpy.types.Object) -> str:
     return cast.member(ob).bodies.names[body]
 
 
@@ -307,7 +307,7 @@ def test_the_limb_that_is_active_decides_which_movements_are_kept() -> None:
     act.key(20, position=(0.5, 0.0, 0.0))
 
     def ways() -> dict[str, float]:
-        bodies = [act_body(body, ob) for body in acts.goals(ob).bodies]
+        bodies = [_name_of(body, ob) for body in acts.goals(ob).bodies]
         return {body: abs(float(np.diff(acts.motion(ob, np.array([1.0, 20.0]), body)[0][:, 0])[0])) for body in bodies}
 
     before = ways()
@@ -370,7 +370,7 @@ def test_a_target_that_is_another_body_counts_where_its_own_channel_brings_it() 
 
 
 def _bodies(act: Act) -> list[str]:
-    return [act_body(body, act.obs[0]) for body in acts.goals(act.obs[0]).bodies]
+    return [_name_of(body, act.obs[0]) for body in acts.goals(act.obs[0]).bodies]
 
 
 def test_keys_toward_a_target_that_moves_keep_their_poses_at_their_times() -> None:

@@ -19,7 +19,7 @@ from tests.blender.acts import Act
 
 ops = bpy.ops.morph_retarget
 SAME = 1e-5
-"""Half a hundredth of what can be seen [m or rad]."""
+"""How far a motion may be from what it shall be [m or rad]."""
 BOTH = ("biped", "lopside")
 MODES = {
     "limb": Movement(scale=ScaleMode.LIMB_LENGTH),
@@ -257,6 +257,23 @@ def test_a_key_put_on_the_stand_in_becomes_a_key_of_the_channel() -> None:
     assert act.curve("position", 2).keyframe_points[0].co[:] == pytest.approx((3.0, 0.1), abs=SAME)
     ops.finish_specialized()
     assert act.curve("position", 2).keyframe_points[0].co[:] == pytest.approx((3.0, 0.1), abs=SAME)
+
+
+def test_a_target_that_moves_is_met_at_the_keys() -> None:
+    act = _act("target")
+    fruit = act.values().target
+    for frame, x in ((1, 0.3), (20, -0.2)):
+        fruit.location.x = x
+        fruit.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(5)
+    empty = _start(act)
+    for index in range(3):
+        _curve(empty, index).keyframe_points[2].co_ui[1] += 0.1
+    bpy.context.view_layer.update()
+    assert bpy.context.scene.frame_current == 5
+    for frame in (1, 8, 20):
+        bpy.context.scene.frame_set(frame)
+        assert np.abs(_place(empty)[:3, 3] - _goal(act, 0, "Hand.L")).max() < SAME
 
 
 def test_cycles_stay_cycles() -> None:

@@ -168,7 +168,7 @@ def steady(found: FramesAt) -> FramesAt:
         if kept:
             return kept[0]
         out = found(times)
-        if _rows(out) == 1:
+        if _rows(out) == 1 < len(times):
             kept.append(out)
         return out
 
