@@ -129,10 +129,11 @@ class MORPHRETARGET_OT_finish_specialized(bpy.types.Operator):
             raise MotionError("the active object is no stand-in: select the empty of the specialized curves")
         ob = of_rig(empty).stands_for
         specialized.finish(empty)
-        ob.select_set(True)
         layer = context.view_layer
         assert layer is not None, "operators run in a window with a scene"
-        layer.objects.active = ob
+        if ob.name in layer.objects:
+            ob.select_set(True)
+            layer.objects.active = ob
         return {"FINISHED"}
 
 
