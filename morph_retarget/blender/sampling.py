@@ -229,7 +229,7 @@ def _stepped(
     try:
         actions.assign(ob, action, slot)
         for i, frame in enumerate(frames.tolist()):
-            _set_frame(scene, frame)
+            set_frame(scene, frame)
             evaluated = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
             rotations[i], positions[i] = read_pose(rig, evaluated)
             matrices[i] = rest @ np.array(evaluated.matrix_world, dtype=np.float64)
@@ -237,10 +237,11 @@ def _stepped(
                 yield i / count
     finally:
         actions.assign(ob, *kept)
-        _set_frame(scene, before)
+        set_frame(scene, before)
     return moved_pose(Pose(rotations, positions), matrices)
 
 
-def _set_frame(scene: bpy.types.Scene, frame: float) -> None:
+def set_frame(scene: bpy.types.Scene, frame: float) -> None:
+    """Set a scene to a frame that need not be whole."""
     whole = int(np.floor(frame))
     scene.frame_set(whole, subframe=frame - whole)

@@ -15,7 +15,7 @@ from ...core.errors import MotionError
 from ...core.morph.channels import TargetKind, Values
 from .. import actions
 from ..properties import of_rig
-from ..sampling import STEPS_PER_YIELD
+from ..sampling import STEPS_PER_YIELD, set_frame
 from . import cast, keys, stage, targets
 from .cast import Member
 
@@ -91,14 +91,14 @@ def _stepped(
     read: list[tuple[Values, Mapping[int, Array]]] = []
     try:
         for i, frame in enumerate(frames.tolist()):
-            _set_frame(scene, frame)
+            set_frame(scene, frame)
             graph = bpy.context.evaluated_depsgraph_get()
             values = stage.values_of(member, ob.evaluated_get(graph))
             read.append((values, stage.targets_of(member, ob, graph)))
             if i % STEPS_PER_YIELD == 0:
                 yield i / len(frames)
     finally:
-        _set_frame(scene, before)
+        set_frame(scene, before)
     places = {channel: np.concatenate([found[channel] for _, found in read]) for channel in read[0][1]}
     return _joined([values for values, _ in read]), places
 
@@ -110,11 +110,6 @@ def _joined(parts: Sequence[Values]) -> Values:
         np.concatenate([part.weights for part in parts]),
         {key: np.concatenate([part.deforms[key] for part in parts]) for key in parts[0].deforms},
     )
-
-
-def _set_frame(scene: bpy.types.Scene, frame: float) -> None:
-    whole = int(np.floor(frame))
-    scene.frame_set(whole, subframe=frame - whole)
 
 
 def _driven(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from .. import actions
 from ..channels import ROTATIONS
 from ..properties import of_rig
 from ..rig import pose_of
+from ..sampling import set_frame
 from . import stage
 from .cast import Member
 from .values import MORPHRETARGET_PG_values
@@ -67,9 +68,8 @@ def stepped(scene: bpy.types.Scene, frames: Array, place: Callable[[], Array]) -
     out = np.empty((len(frames), 3))
     try:
         for i, frame in enumerate(frames.tolist()):
-            whole = int(np.floor(frame))
-            scene.frame_set(whole, subframe=frame - whole)
+            set_frame(scene, frame)
             out[i] = place()
     finally:
-        scene.frame_set(int(np.floor(before)), subframe=before - np.floor(before))
+        set_frame(scene, before)
     return out
