@@ -8,7 +8,7 @@ import numpy as np
 from . import quat
 from .arrays import Array
 
-_OPPOSITE = 1e-9
+_IDENTITY = np.eye(3)
 _LEVI_CIVITA: Array = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1)
 
 
@@ -27,19 +27,12 @@ def transposed(rotation: Array) -> Array:
     return np.swapaxes(rotation, -1, -2)
 
 
-def between(a: Array, b: Array) -> Array:
-    """Return the smallest rotations that turn directions ``a`` onto ``b``; see `quat.between` for degenerate ones."""
-    a, b = np.broadcast_arrays(a, b)
-    lengths = quat.length(a) * quat.length(b)
-    least = np.maximum(lengths, 1e-30)
-    outer = (b / least[..., None])[..., :, None] * a[..., None, :]
-    skew = outer - transposed(outer)
-    cosine = quat.dot(a, b) / least
-    out = np.eye(3) + skew + np.matmul(skew, skew) / np.maximum(1.0 + cosine, _OPPOSITE)[..., None, None]
-    odd = (1.0 + cosine < _OPPOSITE) | (lengths < 1e-24)
-    if odd.any():
-        out[odd] = quat.to_matrix(quat.between(a[odd], b[odd]))
-    return out
+def half_turn(axes: Array) -> Array:
+    """Return the rotations by half a turn about axes of any length but 0.
+
+    The smallest rotation from unit vector a to unit vector b is half a turn about a and then one about a + b.
+    """
+    return (2.0 / quat.dot(axes, axes))[..., None, None] * axes[..., :, None] * axes[..., None, :] - _IDENTITY
 
 
 class Hinges:
@@ -56,4 +49,4 @@ class Hinges:
     def turned(self, angles: Array) -> Array:
         """Return the rotations by angles [rad], shape (..., hinge) to (..., hinge, 3, 3)."""
         sine, rest = np.sin(angles)[..., None, None], (1.0 - np.cos(angles))[..., None, None]
-        return np.eye(3) + sine * self._skew + rest * self._square
+        return _IDENTITY + sine * self._skew + rest * self._square

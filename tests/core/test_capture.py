@@ -98,12 +98,13 @@ def test_what_was_captured_leads_back_to_where_the_bodies_were_in_every_mode(
         binding = bind(GeneralizedAction("", values.channels), found.bodies)
         frames = capture.frames_of(binding, {}, found.positions)
         plan = binding.plan
-        places, turned = capture.movement.specialize(
+        places, turns = capture.movement.specialize(
             frames, values.values.positions[:, plan.channel], values.values.rotations[:, plan.channel]
         )
         body = binding.entries[0].body
         assert np.abs(places[:, 0] - found.positions[:, body]).max() < 1e-9, movement
-        assert quat.angle_between(turned[:, 0], found.axes[:, body]).max() < 1e-6, movement
+        axes = quat.multiply(turns[:, 0], found.bodies.axes[body])
+        assert quat.angle_between(axes, found.axes[:, body]).max() < 1e-6, movement
 
 
 def test_a_captured_walk_plays_on_its_performer_as_it_was(performer: Character, walk: Pose) -> None:

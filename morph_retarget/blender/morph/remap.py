@@ -168,7 +168,7 @@ def steady(found: FramesAt) -> FramesAt:
         if kept:
             return kept[0]
         out = found(times)
-        if _rows(out) == 1 < len(times):
+        if len(out) == 1 < len(times):
             kept.append(out)
         return out
 
@@ -186,7 +186,7 @@ def change(part: str, old: FramesAt, new: FramesAt, times: Array) -> Change:
 
 def _between(part: str, old: Frames, new: Frames, times: Array) -> Change:
     """Return what takes positions or rotations in some frames of a body to other frames of it, at some times."""
-    rows = max(_rows(old), _rows(new))
+    rows = max(len(old), len(new))
     if part == "rotation":
         matrix, offset = _linear(4, rows, lambda q: _turned_back(new, _turned(old, q)))
         return Change(times, matrix, offset, None, (np.zeros((1, 4)), np.zeros(1)), np.full(4, TURN))
@@ -218,11 +218,6 @@ def _linear(count: int, rows: int, through: Callable[[Array], Array]) -> tuple[A
     offset = through(np.zeros((1, count)))
     columns = [through(unit[None]) - offset for unit in np.eye(count)]
     return np.stack(np.broadcast_arrays(*columns), axis=-1), offset
-
-
-def _rows(found: Frames) -> int:
-    """Return for how many times frames are known, 1 where they hold for all times."""
-    return max(len(found.axes), 1 if found.gaze is None else len(found.gaze.turns))
 
 
 def _placed(found: Frames, values: Array) -> Array:

@@ -39,30 +39,32 @@ class Aims:
     eyes: Array
     """Their rest positions [m], shape (looking, 3)."""
 
-    def turned(self, targets: Array, axes: Array, scale: Array) -> tuple[Array, Array]:
-        """Return axes and scales of all bodies with those of the aimed ones turned and stretched toward targets.
+    def ahead(self) -> "Lead | None":
+        """Return what leads straight ahead, one metre, None when nothing leads anywhere."""
+        if not len(self.aimed):
+            return None
+        count = len(self.aimed)
+        return Lead(self.aimed, AHEAD * self.flip[None, ..., None], np.ones((1, count)))
+
+    def lead(self, targets: Array) -> "Lead | None":
+        """Return what leads to the targets, None when nothing does.
 
         The axes are turned from straight ahead to the target by the smallest rotation, which is singular for targets
         straight behind alone.
 
         Args:
             targets: [m], shape (frame, body, 3).
-            axes: Shape (1, body, 3, 3).
-            scale: Shape (1, body, 3).
         """
-        axes, scale = np.repeat(axes, len(targets), axis=0), np.repeat(scale, len(targets), axis=0)
         if not len(self.aimed):
-            return axes, scale
-        away = (targets[:, self.aimed] * self.flip - self.rest) * self.flat
+            return None
+        away = (targets.take(self.aimed, axis=1) * self.flip - self.rest) * self.flat
         distance = quat.length(away)
         direction = away / np.maximum(distance, 1e-12)[..., None]
         if (distance < self.tiny).any():
             direction = quat.unit(FORWARD + _smooth(distance / self.tiny)[..., None] * (direction - FORWARD))
             direction[~direction.any(axis=-1)] = FORWARD
-        axes[:, self.aimed] = _ahead(direction) * self.flip[..., None]
-        stretched = np.maximum(distance, 0.1 * self.tiny)
-        scale[:, self.aimed, 0] = np.where(self.only_turned, scale[:, self.aimed, 0], stretched)
-        return axes, scale
+        lengths = np.where(self.only_turned, 1.0, np.maximum(distance, 0.1 * self.tiny))
+        return Lead(self.aimed, _ahead(direction) * self.flip[..., None], lengths)
 
     def gaze(self, targets: Array) -> "Gaze | None":
         """Return what looks at the targets, None when nothing does.
@@ -72,23 +74,22 @@ class Aims:
         """
         if not len(self.looking):
             return None
-        away = targets[:, self.looking] - self.eyes
-        turns = quat.from_rotation_vector(toward(self.forwards, away, self.tiny))
+        away = targets.take(self.looking, axis=1) - self.eyes
+        turns = toward(self.forwards, away, self.tiny)
         return Gaze(self.looking, quat.before_matrix(turns))
+
+
+_HALF_TURNED = AHEAD * np.array([1.0, -1.0, -1.0])
+"""`AHEAD` after half a turn about straight ahead."""
 
 
 def _ahead(direction: Array) -> Array:
     """Return `AHEAD` turned from straight ahead to a direction by the smallest rotation, shape (..., 3, 3)."""
-    s, u, v = np.moveaxis(direction @ AHEAD, -1, 0)
-    opposite = s < -1.0 + 1e-9
-    share = 1.0 / np.where(opposite, 1.0, 1.0 + s)
-    out = np.empty((*s.shape, 3, 3))
-    out[..., 0, 0], out[..., 0, 1], out[..., 0, 2] = s, -u, -v
-    out[..., 1, 0], out[..., 1, 1], out[..., 1, 2] = u, 1.0 - u * u * share, -u * v * share
-    out[..., 2, 0], out[..., 2, 1], out[..., 2, 2] = v, -u * v * share, 1.0 - v * v * share
-    if opposite.any():
-        out[opposite] = np.diag([-1.0, -1.0, 1.0])  # about the vertical
-    return AHEAD @ out
+    between = direction + FORWARD
+    behind = direction @ FORWARD < -1.0 + 1e-9
+    if behind.any():
+        between[behind] = LEFT  # about the vertical
+    return np.matmul(rotation.half_turn(between), _HALF_TURNED)
 
 
 def _smooth(t: Array) -> Array:
@@ -98,25 +99,66 @@ def _smooth(t: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+class Lead:
+    """Bodies whose frames lead to targets: their x axes end there."""
+
+    rows: Indices
+    """The bodies, shape (aimed,)."""
+    axes: Array
+    """Columns are the generalized axes in the character frame, shape (frame or 1, aimed, 3, 3); left-handed where
+    mirrored."""
+    lengths: Array
+    """What the x axes are stretched by, shape (frame or 1, aimed)."""
+
+    def applied(self, away: Array) -> Array:
+        """Return vectors turned and stretched toward the targets, shape (frame, body, 3)."""
+        out = _over(away, len(self.axes))
+        own = out.take(self.rows, axis=1)
+        own[..., 0] *= self.lengths
+        out[:, self.rows] = rotation.apply(self.axes, own)
+        return out
+
+    def undone(self, away: Array) -> Array:
+        """Return vectors from which `applied` makes these."""
+        out = _over(away, len(self.axes))
+        own = rotation.apply(rotation.transposed(self.axes), out.take(self.rows, axis=1))
+        own[..., 0] /= self.lengths
+        out[:, self.rows] = own
+        return out
+
+
+@dataclass(frozen=True, eq=False)
 class Gaze:
     """Bodies that look at targets. A gaze turns a body's frame, so that a head can nod while it looks."""
 
     rows: Indices
-    """The bodies that look."""
+    """The bodies that look, shape (looking,)."""
     turns: Array
-    """What their rotations multiply by, shape (frame, looking, 4, 4)."""
+    """What their rotations multiply by, shape (frame or 1, looking, 4, 4)."""
 
-    def applied(self, turned: Array, back: bool = False) -> Array:
-        """Return orientations turned toward the targets, or turned back, shape (frame, body, 4)."""
-        turns = rotation.transposed(self.turns) if back else self.turns
-        count = max(len(turns), len(turned))
-        out = np.broadcast_to(turned, (count, *turned.shape[1:])).copy()
-        out[:, self.rows] = rotation.apply(turns, out[:, self.rows])
+    def applied(self, turned: Array) -> Array:
+        """Return orientations turned toward the targets, shape (frame, body, 4)."""
+        return self._by(self.turns, turned)
+
+    def undone(self, turned: Array) -> Array:
+        """Return orientations turned back."""
+        return self._by(rotation.transposed(self.turns), turned)
+
+    def _by(self, turns: Array, turned: Array) -> Array:
+        out = _over(turned, len(turns))
+        out[:, self.rows] = rotation.apply(turns, out.take(self.rows, axis=1))
         return out
 
 
+def _over(values: Array, frames: int) -> Array:
+    """Return a copy of values, for as many frames as there are when they hold for all of them."""
+    if len(values) >= frames:
+        return values.copy()
+    return np.repeat(values, frames, axis=0)
+
+
 def toward(forward: Array, away: Array, tiny: float) -> Array:
-    """Return the rotation vectors [rad] by which bodies turn to look along ``away``, limited softly.
+    """Return the turns by which bodies look along ``away``, limited softly, shape (..., 4).
 
     Up to `FREE` the gaze is on the target; beyond, it lags more and more, never more than `MOST` off the body's
     forward; and in the half space behind, it comes back to straight ahead.
@@ -126,16 +168,19 @@ def toward(forward: Array, away: Array, tiny: float) -> Array:
         away: To the targets [m], shape (..., 3).
         tiny: Distance below which a target is gradually ignored [m].
     """
-    distance = quat.length(away)
-    direction = away / np.maximum(distance, 1e-12)[..., None]
-    axis = rotation.cross(forward, direction)
+    axis = rotation.cross(forward, away)
     sine = quat.length(axis)
-    angle = np.arctan2(sine, quat.dot(forward, direction))
-    soft = FREE + (MOST - FREE) * np.tanh((angle - FREE) / (MOST - FREE))
-    limited = np.where(angle > FREE, soft, angle)
-    behind = np.clip((angle - 0.5 * np.pi) / (0.5 * np.pi), 0.0, 1.0)
-    fade = 0.5 * (1.0 + np.cos(np.pi * behind))
-    near = np.clip(distance / tiny, 0.0, 1.0)
+    angle = np.arctan2(sine, quat.dot(forward, away))
+    if (angle > FREE).any():
+        angle = _limited(angle)
+    near = np.minimum(quat.length(away) / tiny, 1.0)
     # Small angles turn about a vector that vanishes with them; straight behind, nothing is left to turn by.
-    unit = axis / np.maximum(sine, 1e-12)[..., None]
-    return (limited * fade * near)[..., None] * unit
+    unit = axis / np.maximum(sine, 1e-12 * tiny)[..., None]
+    return quat.from_axis_angle(unit, angle * near)
+
+
+def _limited(angle: Array) -> Array:
+    """Return how far bodies turn for how far from ahead their targets are [rad]."""
+    soft = FREE + (MOST - FREE) * np.tanh((angle - FREE) / (MOST - FREE))
+    behind = np.maximum(angle / (0.5 * np.pi) - 1.0, 0.0)
+    return np.where(angle > FREE, soft, angle) * (0.5 + 0.5 * np.cos(np.pi * behind))

@@ -99,11 +99,10 @@ class Plan:
         )
         """Entries with an external target, and their channels."""
         mirrored = np.array([e.mirrored for e in entries], dtype=bool)
-        self.frames = movement.frames(binding.bodies, self.body, [c.movement for c in own], mirrored)
-        """Frames of the entries while targets are straight ahead."""
-        away = quat.multiply(self.frames.base.rotations, quat.conjugate(binding.bodies.axes[self.body]))
-        self.base = movement.Base.of(away)
-        """What takes the orientations of the frames to turns from rest."""
+        frames = movement.frames(binding.bodies, self.body, [c.movement for c in own], mirrored)
+        away = quat.multiply(frames.base.rotations, quat.conjugate(binding.bodies.axes[self.body]))
+        self.frames = replace(frames, base=movement.Base.of(away))
+        """Frames of the entries while targets are straight ahead; they hold turns from rest, not orientations."""
         self.goals = np.array(sorted({e.body for e in entries}), dtype=np.intp)
         """Bodies that get a goal, shape (goal,)."""
         self.position_weights = np.array([c.position_weight for c in own])
@@ -113,9 +112,11 @@ class Plan:
         """1 where an entry has a share in the position of a goal, else 0, shape (goal, entry)."""
         self.turns = (own_goal & np.array([e.rotation for e in entries], dtype=bool)).astype(np.float64)
         """The same for rotations."""
-        first = {body: self.turns[i].argmax() for i, body in enumerate(self.goals.tolist())}
-        self.first = np.array([first[e.body] for e in entries], dtype=np.intp)
-        """For each entry the first that shares the rotation of its goal, shape (entry,)."""
+        first = self.turns.argmax(axis=1)[own_goal.argmax(axis=0)]
+        self.later = np.flatnonzero(first != np.arange(len(entries)))
+        """Entries for bodies that others turn before them, shape (later,)."""
+        self.first = first[self.later]
+        """For each of these the first entry that turns its body."""
 
 
 def bind(

@@ -191,7 +191,8 @@ def _taken(found: Performance, channel: Channel) -> tuple[int, Array, Array] | N
         return None
     plan = binding.plan
     frames = frames_of(binding, {}, found.positions)
-    q, turns = movement.generalize(frames, found.positions[:, plan.body], found.axes[:, plan.body])
+    turned = quat.multiply(found.axes[:, plan.body], quat.conjugate(binding.bodies.axes[plan.body]))
+    q, turns = movement.generalize(frames, found.positions[:, plan.body], turned)
     return binding.entries[0].body, q[:, 0], quat.continuous(quat.normalize(turns[:, 0]))
 
 

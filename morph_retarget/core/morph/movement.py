@@ -23,7 +23,7 @@ Where a frame would degenerate it does not:
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
@@ -37,6 +37,8 @@ TINY = 1e-3
 """Least length of a frame's axis, as a share of the character's size."""
 LIFT = 0.25
 """Least way up for one unit of ground-relative height, as a share of the limb's length."""
+MIRROR_TURN = np.array([1.0, 1.0, -1.0, -1.0])
+"""What a rotation is multiplied by to be that of a mirror image on the plane of symmetry."""
 
 
 class PositionMode(StrEnum):
@@ -108,7 +110,7 @@ class Base:
         """Return rotations, shape (frame, body, 4), after the base, or without it (``back``); in place."""
         if len(self.rows):
             own = rotation.transposed(self.matrices) if back else self.matrices
-            rotations[:, self.rows] = rotation.apply(own, rotations[:, self.rows])
+            rotations[:, self.rows] = rotation.apply(own, rotations.take(self.rows, axis=1))
         return rotations
 
 
@@ -116,26 +118,33 @@ class Base:
 class Frames:
     """The frames of some bodies in some movement modes, from which G and S follow.
 
-    Arrays with a leading 1 hold for every frame of the clip.
+    Without a target the axes are those of the character; arrays with a leading 1 hold for every frame of the clip.
     """
 
     origin: Array
     """[m], shape (1, body, 3)."""
-    axes: Array
-    """Columns are the generalized axes in the character frame, shape (frame or 1, body, 3, 3); left-handed where
-    mirrored."""
     scale: Array
-    """Length along each axis for one unit [m], negative where an axis runs backward, shape (frame or 1, body, 3)."""
+    """Length along each generalized axis for one unit [m], negative where it runs backward, shape (1, body, 3); 1 where
+    a target gives the length."""
     lift: Array
     """Ratio of the scale of negative z to that of positive z, shape (body,)."""
-    base: "Base"
+    base: Base
     """Orientation that a rotation of identity means, before looking at a target."""
-    mirrored: Flags
-    """Shape (body,)."""
+    reflection: Array
+    """What rotations are multiplied by to mirror them where bodies are mirrored, shape (body, 4)."""
     aims: aim.Aims
     """Which bodies have targets, and from where."""
+    lead: aim.Lead | None
+    """What leads to a target, None while nothing does."""
     gaze: aim.Gaze | None = None
     """What looks at a target, None while nothing does."""
+
+    def __len__(self) -> int:
+        """Return for how many frames of a clip they are known, 1 where they hold for all."""
+        return max(
+            1 if self.lead is None else len(self.lead.axes),
+            1 if self.gaze is None else len(self.gaze.turns),
+        )
 
     def toward(self, targets: Array) -> "Frames":
         """Return the frames turned and stretched toward targets.
@@ -143,12 +152,12 @@ class Frames:
         Args:
             targets: Target of each body [m], character frame, shape (frame, body, 3); unused without a target.
         """
-        axes, scale = self.aims.turned(targets, self.axes, self.scale)
-        return replace(self, axes=axes, scale=scale, gaze=self.aims.gaze(targets))
+        lead, gaze = self.aims.lead(targets), self.aims.gaze(targets)
+        return Frames(self.origin, self.scale, self.lift, self.base, self.reflection, self.aims, lead, gaze)
 
 
 def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored: Flags) -> Frames:
-    """Return the frames in which some bodies move, for targets straight ahead.
+    """Return the frames in which some bodies move, for targets straight ahead and one metre away.
 
     A mirrored body's frame is that of its mirror image, reflected: ``S(b, q, true)`` is the reflection of
     ``S(b', q, false)``, where b' is b seen in a mirror on the plane of symmetry (Hecker 2008 §4.1.2).
@@ -164,7 +173,7 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
     rest[:, 0] *= flip
     starts = bodies.positions[bodies.spine_segments[chosen]].copy()
     starts[:, 0] *= flip
-    origin, axes, scale, lift = _still(bodies, chosen, modes, rest, starts)
+    origin, scale, lift = _still(bodies, chosen, modes, rest, starts)
     origin[:, 0] *= flip
     aimed, looking = _where(m.secondary_relative for m in modes), _where(m.look_at for m in modes)
     level = np.array([m.ground_relative for m in modes], dtype=bool)[aimed]
@@ -181,8 +190,11 @@ def frames(bodies: Bodies, chosen: Indices, modes: Sequence[Movement], mirrored:
     )
     absolute = np.array([m.rotation is RotationMode.ABSOLUTE for m in modes], dtype=bool)
     base = np.where(absolute[:, None], quat.IDENTITY, bodies.axes[chosen])
-    axes[:, 0, :] *= flip[:, None]
-    return Frames(origin[None], axes[None], scale[None], lift, Base.of(base), mirrored, aims)
+    leading = np.zeros(len(chosen), dtype=bool)
+    leading[aimed] = True
+    scale[~leading, 0] *= flip[~leading]
+    reflection = np.where(mirrored[:, None], MIRROR_TURN, 1.0)
+    return Frames(origin[None], scale[None], lift, Base.of(base), reflection, aims, aims.ahead())
 
 
 def _where(flags: Iterable[bool]) -> Indices:
@@ -191,12 +203,11 @@ def _where(flags: Iterable[bool]) -> Indices:
 
 def _still(
     bodies: Bodies, chosen: Indices, modes: Sequence[Movement], rest: Array, starts: Array
-) -> tuple[Array, Array, Array, Array]:
-    """Return origins, axes, scales and lifts without targets; ``rest`` and limbs' ``starts`` are seen in the mirror."""
+) -> tuple[Array, Array, Array]:
+    """Return origins, scales and lifts without targets; ``rest`` and limbs' ``starts`` are seen in the mirror."""
     count, tiny = len(chosen), TINY * bodies.size
     limbs = bodies.limb_lengths[chosen]
-    origin, axes = rest.copy(), np.tile(np.eye(3), (count, 1, 1))
-    scale, lift = np.ones((count, 3)), np.ones(count)
+    origin, scale, lift = rest.copy(), np.ones((count, 3)), np.ones(count)
     for i, mode in enumerate(modes):
         if mode.position is PositionMode.ABSOLUTE and not mode.secondary_relative:
             origin[i] = starts[i] if mode.scale is ScaleMode.LIMB_LENGTH else 0.0
@@ -211,15 +222,9 @@ def _still(
             origin[i, 2] = rest[i, 2]
             down = max(rest[i, 2], tiny)
             scale[i, 2], lift[i] = -down, max(down, LIFT * limbs[i]) / down
-        if mode.secondary_relative:
-            axes[i] = aim.AHEAD
-    return origin, axes, scale, lift
-
-
-def reflected(rotations: Array, mirrored: Flags) -> Array:
-    """Return rotations, shape (..., body, 4), reflected on the plane of symmetry where ``mirrored``."""
-    signs = np.where(mirrored[:, None], np.array([1.0, 1.0, -1.0, -1.0]), 1.0)
-    return rotations * signs
+        if mode.secondary_relative and not mode.directional_only:
+            scale[i, 0] = 1.0
+    return origin, scale, lift
 
 
 def specialize(found: Frames, positions: Array, rotations: Array) -> tuple[Array, Array]:
@@ -234,18 +239,21 @@ def specialize(found: Frames, positions: Array, rotations: Array) -> tuple[Array
         Positions [m], shape (frame, body, 3), and orientations of the bodies' own axes, shape (frame, body, 4), both
         in the character frame.
     """
-    scaled = positions * found.scale
-    scaled[..., 2] *= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
-    places = found.origin + np.einsum("...ij,...j->...i", found.axes, scaled)
-    turned = found.base.before(reflected(rotations, found.mirrored))
-    return places, turned if found.gaze is None else found.gaze.applied(turned)
+    away = positions * found.scale
+    away[..., 2] *= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
+    if found.lead is not None:
+        away = found.lead.applied(away)
+    turned = found.base.before(rotations * found.reflection)
+    return found.origin + away, turned if found.gaze is None else found.gaze.applied(turned)
 
 
 def generalize(found: Frames, places: Array, turned: Array) -> tuple[Array, Array]:
     """Return G, the inverse of `specialize`, argument for result."""
-    scaled = np.einsum("...ij,...i->...j", found.axes, places - found.origin)
-    positions = scaled / found.scale
+    away = places - found.origin
+    if found.lead is not None:
+        away = found.lead.undone(away)
+    positions = away / found.scale
     positions[..., 2] /= np.where(positions[..., 2] < 0.0, found.lift, 1.0)
     if found.gaze is not None:
-        turned = found.gaze.applied(turned, back=True)
-    return positions, reflected(found.base.before(turned.copy(), back=True), found.mirrored)
+        turned = found.gaze.undone(turned)
+    return positions, found.base.before(turned.copy(), back=True) * found.reflection

@@ -1,7 +1,6 @@
 """From generalized values to pose goals: S on every body that a channel poses, blended where channels share one."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -18,7 +17,7 @@ Deforms = Mapping[tuple[int, str], Array]
 
 
 def frames_of(binding: Binding, external: Mapping[int, Array], posed: Array | None = None) -> Frames:
-    """Return the frames in which the entries of a binding move.
+    """Return the frames in which the entries of a binding move; rotations are turns from rest in them.
 
     Args:
         binding: The binding.
@@ -51,13 +50,16 @@ def goals_of(binding: Binding, values: Values, found: Frames) -> Goals:
         found: From `frames_of`.
     """
     plan = binding.plan
-    own = replace(found, base=plan.base)
-    places, turns = movement.specialize(own, values.positions[:, plan.channel], values.rotations[:, plan.channel])
-    weights = np.maximum(values.weights[:, plan.channel], 0.0)
-    places, moved = _blended(places, weights * plan.position_weights, plan.places)
-    positions = np.where(moved[..., None] > 0.0, places, binding.bodies.positions[plan.goals])
+    # Of NumPy's ways to gather, `take` is several times faster than an index.
+    positions, rotations = values.positions.take(plan.channel, axis=1), values.rotations.take(plan.channel, axis=1)
+    places, turns = movement.specialize(found, positions, rotations)
+    weights = np.maximum(values.weights.take(plan.channel, axis=1), 0.0)
+    positions, moved = _blended(places, weights * plan.position_weights, plan.places)
+    if not moved.all():
+        positions = np.where(moved[..., None] > 0.0, positions, binding.bodies.positions[plan.goals])
     # Of the two quaternions of a rotation, the one nearer to the first that shares the goal is blended.
-    turns = np.where(quat.dot(turns, turns[:, plan.first])[..., None] < 0.0, -turns, turns)
+    later = turns.take(plan.later, axis=1)
+    turns[:, plan.later] = np.where(quat.dot(later, turns.take(plan.first, axis=1))[..., None] < 0.0, -later, later)
     blended, turned = _blended(turns, weights * plan.rotation_weights, plan.turns)
     return Goals(plan.goals, positions, quat.normalize(blended), np.minimum(moved, 1.0), np.minimum(turned, 1.0))
 

@@ -111,11 +111,30 @@ class Chain:
         for joint in range(1, len(self.segments)):
             np.matmul(turns[:, joint - 1], own[:, joint], out=turns[:, joint])
             ends = ends + rotation.apply(turns[:, joint], self.segments[joint])
-        # Over the rest direction, so that only goals straight behind that are singular, whatever the bend.
-        rest = self.segments.sum(axis=0)
-        straight = rotation.between(ends, rest)
-        aim = np.matmul(rotation.between(rest, np.where(away[:, None] > 1e-9, goals, rest)), straight)
+        # Over the rest direction, so that only goals straight behind that are singular, whatever the bend: half turns
+        # about it, once from the end and once to the goal, cancel out.
+        aim = np.matmul(self._half_way(goals), self._half_way(ends))
         return np.matmul(aim[:, None], turns), rotation.apply(aim, ends)
+
+    def _half_way(self, vectors: Array) -> Array:
+        """Return half turns about what lies between vectors and the end at rest, shape (frame, 3, 3)."""
+        lengths = quat.length(vectors)[:, None]
+        between = self.rest_direction + vectors / np.maximum(lengths, 1e-9)
+        odd = quat.dot(between, between) < 1e-9
+        if odd.any():
+            between[odd] = self.aside
+        return rotation.half_turn(between)
+
+    @cached_property
+    def rest_direction(self) -> Array:
+        """Of the end at rest from the first joint; that of the first segment where the chain closes on itself."""
+        whole = self.segments.sum(axis=0)
+        return quat.unit(whole if np.linalg.norm(whole) > 1e-9 else self.segments[0])
+
+    @cached_property
+    def aside(self) -> Array:
+        """A direction square to it."""
+        return quat.unit(quat.cross(self.rest_direction, np.eye(3)[np.argmin(np.abs(self.rest_direction))]))
 
     def _reachable(self, away: Array) -> Array:
         """Return distances within reach: those near the chain's length are approached ever more slowly."""
