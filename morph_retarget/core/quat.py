@@ -228,23 +228,28 @@ def to_matrix(q: Array) -> Array:
     return out
 
 
+def _products() -> Array:
+    """Return what takes the nine numbers of a rotation matrix to the products 4 q_i q_j, less the identity, (9, 16)."""
+    out = np.zeros((3, 3, 4, 4))
+    for i, signs in enumerate(((1, 1, -1, -1), (1, -1, 1, -1), (1, -1, -1, 1))):
+        out[i, i] = np.diag(signs)
+    for row, column, other in ((2, 1, 1), (0, 2, 2), (1, 0, 3)):
+        out[row, column, [0, other], [other, 0]] = 1.0
+        out[column, row, [0, other], [other, 0]] = -1.0
+        out[row, column, [row + 1, column + 1], [column + 1, row + 1]] += 1.0
+        out[column, row, [row + 1, column + 1], [column + 1, row + 1]] += 1.0
+    return out.reshape(9, 16)
+
+
+_PRODUCTS = _products()
+
+
 def from_matrix(m: Array) -> Array:
     """Return the quaternions of proper rotation matrices, shape ``(..., 3, 3)`` to ``(..., 4)``.
 
-    Of the four possible formulas the one with the largest divisor is used, so it is exact for every angle.
+    Each row of the products 4 q_i q_j is a multiple of the quaternion; the one with the largest divisor is used, so it
+    is exact for every angle.
     """
-    d0, d1, d2 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
-    squares = np.stack([1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2], axis=-1)
-    a, b, c = m[..., 2, 1] - m[..., 1, 2], m[..., 0, 2] - m[..., 2, 0], m[..., 1, 0] - m[..., 0, 1]
-    d, e, f = m[..., 0, 1] + m[..., 1, 0], m[..., 0, 2] + m[..., 2, 0], m[..., 1, 2] + m[..., 2, 1]
-    rows = np.stack(
-        [
-            np.stack([squares[..., 0], a, b, c], axis=-1),
-            np.stack([a, squares[..., 1], d, e], axis=-1),
-            np.stack([b, d, squares[..., 2], f], axis=-1),
-            np.stack([c, e, f, squares[..., 3]], axis=-1),
-        ],
-        axis=-2,
-    )
-    best = np.argmax(squares, axis=-1)
-    return normalize(np.take_along_axis(rows, best[..., None, None], axis=-2)[..., 0, :])
+    products = (m.reshape(*m.shape[:-2], 9) @ _PRODUCTS).reshape(*m.shape[:-2], 4, 4) + np.eye(4)
+    best = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
+    return normalize(np.take_along_axis(products, best[..., None, None], axis=-2)[..., 0, :])

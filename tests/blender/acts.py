@@ -84,8 +84,7 @@ def creature(name: str) -> bpy.types.Object:
     """Return one of our creatures as a bare armature, bones rolled at random; its like is analysed only once."""
     ob = armatures.build(name.capitalize(), creatures.CREATURES[name](), np.random.default_rng(7))
     if name in _analysed:
-        cast._analysed[ob.session_uid] = (rig.read(ob), *_analysed[name])
-        cast._rests[ob.session_uid] = cast._rest_of(ob)
+        cast.keep(ob, rig.read(ob), *_analysed[name])
     else:
         _, character, bodies = cast.analysed(ob)
         _analysed[name] = (character, bodies)

@@ -57,7 +57,7 @@ class Member:
 
 
 _analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
-_rests: dict[int, tuple[object, ...]] = {}
+_rests: dict[int, tuple[object, object]] = {}
 """What these were found from."""
 _members: dict[int, tuple[tuple[object, ...], Member]] = {}
 
@@ -92,27 +92,32 @@ def analysed(ob: bpy.types.Object) -> tuple[Rig, Character, Bodies]:
     """
     known = _analysed.get(ob.session_uid)
     if known is None:
-        _rests[ob.session_uid] = _rest_of(ob)
         own, character = collect.target_of(ob)
-        known = _analysed[ob.session_uid] = (own, character, Bodies.of(character))
+        known = keep(ob, own, character, Bodies.of(character))
     return known
 
 
-def is_edited(ob: bpy.types.Object) -> bool:
-    """Return whether the bones of an analysed armature, or the user's corrections, have changed since."""
-    return ob.session_uid in _rests and _rests[ob.session_uid] != _rest_of(ob)
+def keep(ob: bpy.types.Object, own: Rig, character: Character, bodies: Bodies) -> tuple[Rig, Character, Bodies]:
+    """Keep what an armature is, until it is edited."""
+    _rests[ob.session_uid] = _corrections(ob), _bones_of(ob)
+    known = _analysed[ob.session_uid] = (own, character, bodies)
+    return known
 
 
-def _rest_of(ob: bpy.types.Object) -> tuple[object, ...]:
-    """Return what an analysis depends on."""
-    own, bones = of_rig(ob), armature_of(ob).bones
-    given = [(joint.name, joint.bone) for joint in own.joints if joint.by in BY_USER]
-    parts: list[object] = [
-        own.up,
-        own.forward,
-        given,
-        [(bone.name, bone.parent and bone.parent.name) for bone in bones],
-    ]
+def is_edited(ob: bpy.types.Object, bones: bool = True) -> bool:
+    """Return whether the user's corrections, and the bones, of an analysed armature have changed since."""
+    known = _rests.get(ob.session_uid)
+    return known is not None and (known[0] != _corrections(ob) or (bones and known[1] != _bones_of(ob)))
+
+
+def _corrections(ob: bpy.types.Object) -> tuple[object, ...]:
+    own = of_rig(ob)
+    return own.up, own.forward, [(joint.name, joint.bone) for joint in own.joints if joint.by in BY_USER]
+
+
+def _bones_of(ob: bpy.types.Object) -> tuple[object, ...]:
+    bones = armature_of(ob).bones
+    parts: list[object] = [[(bone.name, bone.parent and bone.parent.name) for bone in bones]]
     for name, width, kind in (("matrix_local", 16, np.float32), ("tail_local", 3, np.float32)):
         values = np.empty(width * len(bones), dtype=kind)
         bones.foreach_get(name, values)

@@ -46,9 +46,10 @@ def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
     found = cast.performers(scene)
     if not found:
         return
+    changed = {change.id.original for change in graph.updates if change.id is not None}
     for ob in found:
-        _drop_edited(ob, graph)
-    edited = {change.id.original for change in graph.updates if isinstance(change.id, bpy.types.Action)}
+        _drop_edited(ob, changed)
+    edited = {block for block in changed if isinstance(block, bpy.types.Action)}
     if edited:
         _follow_curves(found, edited)
     held = generalize.posed_by_hand(scene, graph, _shown)
@@ -111,10 +112,10 @@ def character_changed(ob: bpy.types.ID) -> None:
     ob.update_tag(refresh={"OBJECT"})
 
 
-def _drop_edited(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> None:
+def _drop_edited(ob: bpy.types.Object, changed: Container[object]) -> None:
     """Forget what a rig was found to be if its bones have been edited; a new pose counts as an update as well."""
-    touched = any(change.id is not None and change.id.original in (ob, ob.data) for change in graph.updates)
-    if touched and cast.is_edited(ob):
+    bones = ob.data in changed
+    if (bones or ob in changed) and cast.is_edited(ob, bones):
         cast.forget(ob, rig=True)
         forget(ob)
 

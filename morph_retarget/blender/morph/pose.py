@@ -37,19 +37,16 @@ def show(rig: Rig, played: Played, but: Collection[str] = ()) -> dict[str, Singl
     """
     bones, names = pose_of(rig.object).bones, rig.skeleton.names
     now: dict[str, Singles] = {}
-    rows: dict[str, list[tuple[int, Array]]] = {}
+    shown = [(int(rig.pose_order[bone]), i) for i, bone in enumerate(played.bones) if names[bone] not in but]
     still = np.zeros(3)  # an animator may have pulled a bone off its place
-    for i, bone in enumerate(played.bones):
-        name = names[bone]
-        if name not in but:
-            rows.setdefault("location", []).append((int(rig.pose_order[bone]), still))
-            owner = bones[int(rig.pose_order[bone])]
-            if owner.rotation_mode == "QUATERNION":
-                prop, value = "rotation_quaternion", played.basis[0, i]
-            else:
-                channel = channels.rotation(owner, name, played.basis[:1, i])
-                prop, value = channel.prop, channel.values[0]
-            rows.setdefault(prop, []).append((int(rig.pose_order[bone]), value))
+    rows: dict[str, list[tuple[int, Array]]] = {"location": [(place, still) for place, _ in shown]}
+    for place, i in shown:
+        if (owner := bones[place]).rotation_mode == "QUATERNION":
+            prop, value = "rotation_quaternion", played.basis[0, i]
+        else:
+            channel = channels.rotation(owner, None, played.basis[:1, i])
+            prop, value = channel.prop, channel.values[0]
+        rows.setdefault(prop, []).append((place, value))
     moved = channels.location(rig, channels.movable(rig, played.root), played.shift[:1])
     if moved.bone not in but:
         place = int(rig.pose_order[rig.skeleton.index[moved.bone or ""]])

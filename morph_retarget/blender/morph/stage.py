@@ -72,13 +72,16 @@ def _sampled(found: CurveMap, path: str, frames: Array, now: Sequence[float]) ->
 def targets_of(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Mapping[int, Array]:
     """Return where the external targets of a character are, by channel [m], character frame, shapes (1, 3)."""
     out: dict[int, Array] = {}
-    items = of_rig(ob).channels
+    places: dict[tuple[bpy.types.Object, str], Array] = {}
+    items, seen = of_rig(ob).channels, ob.evaluated_get(graph)
     for i, channel in enumerate(member.definition.channels):
         if channel.has_target and channel.target is TargetKind.EXTERNAL:
             item = items[channel.name]
             if cast.has_target(item):
-                world = place_of(item.target, item.target_bone, graph)
-                out[i] = to_character(member, ob.evaluated_get(graph), world)[None]
+                key = (item.target, item.target_bone)
+                if key not in places:
+                    places[key] = to_character(member, seen, place_of(*key, graph))[None]
+                out[i] = places[key]
     return out
 
 

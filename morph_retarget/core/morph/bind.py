@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import quat
+from ..arrays import Indices
 from ..errors import listed
 from . import movement
 from .bodies import Bodies
@@ -112,10 +113,11 @@ class Plan:
         """1 where an entry has a share in the position of a goal, else 0, shape (goal, entry)."""
         self.turns = (own_goal & np.array([e.rotation for e in entries], dtype=bool)).astype(np.float64)
         """The same for rotations."""
-        first = self.turns.argmax(axis=1)[own_goal.argmax(axis=0)]
-        self.later = np.flatnonzero(first != np.arange(len(entries)))
+        of_goal = {body: int(row.argmax()) for body, row in zip(self.goals.tolist(), self.turns, strict=True)}
+        first = np.array([of_goal[e.body] for e in entries], dtype=np.intp)
+        self.later: Indices = np.flatnonzero(first != np.arange(len(entries)))
         """Entries for bodies that others turn before them, shape (later,)."""
-        self.first = first[self.later]
+        self.first: Indices = first[self.later]
         """For each of these the first entry that turns its body."""
 
 
