@@ -24,8 +24,9 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
+from .morph import jiggle_properties, values
 from .morph import properties as morph
-from .morph import values
+from .morph.jiggle_properties import Jiggler
 from .morph.values import Performer
 from .retarget import Options, Reference
 
@@ -83,7 +84,7 @@ class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
     end: IntProperty(name="End", description="Last frame on the ground", update=_changed)
 
 
-class MORPHRETARGET_PG_rig(Performer, bpy.types.PropertyGroup):
+class MORPHRETARGET_PG_rig(Performer, Jiggler, bpy.types.PropertyGroup):
     """What is known about one armature."""
 
     joints: CollectionProperty(
@@ -297,6 +298,7 @@ def of_rig(ob: bpy.types.Object) -> MORPHRETARGET_PG_rig:
 
 CLASSES = (
     *values.CLASSES,
+    *jiggle_properties.CLASSES,
     *morph.CLASSES,
     MORPHRETARGET_PG_joint,
     MORPHRETARGET_PG_contact,

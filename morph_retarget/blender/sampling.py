@@ -153,7 +153,7 @@ def from_curves(rig: Rig, found: CurveMap, frames: Array) -> Pose:
     moved = False
     for i, name in enumerate(rig.skeleton.names):
         bone = pose_of(rig.object).bones[name]
-        rotation, keyed = _rotation(bone, bone.path_from_id(), found, frames)
+        rotation, keyed = own_rotation(bone, bone.path_from_id(), found, frames)
         rotations[:, i] = rotation
         moved |= keyed
         if not bone.bone.use_connect:
@@ -168,7 +168,7 @@ def from_curves(rig: Rig, found: CurveMap, frames: Array) -> Pose:
     return _with_object(rig, found, frames, pose, moved)
 
 
-def _rotation(
+def own_rotation(
     owner: bpy.types.Object | bpy.types.PoseBone, prefix: str, found: CurveMap, frames: Array
 ) -> tuple[Array, bool]:
     """Return an object's or bone's own rotation, shape (frame, 4) or (4,), and whether it is animated."""
@@ -189,7 +189,7 @@ def _with_object(rig: Rig, found: CurveMap, frames: Array, pose: Pose, moved: bo
     """Return the pose with the object's own motion folded in, as seen from where the object stands at rest."""
     ob = rig.object
     location = actions.sample_vector(found, "location", frames, np.array(ob.location))
-    rotation, turns = _rotation(ob, "", found, frames)
+    rotation, turns = own_rotation(ob, "", found, frames)
     if location is None and not turns:
         if not moved:
             raise MotionError(

@@ -23,6 +23,7 @@ from .morph.specialize import Deforms
 from .solve import posing
 from .solve.goals import Goals
 from .solve.posing import BodyPose
+from .solve.settings import DEFAULT, SolverSettings
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,11 +80,11 @@ class Played:
     """Positions of all bodies that targets were taken from [m], character frame, shape (frame, body, 3)."""
 
 
-def prepare(character: Character, binding: Binding) -> Part:
-    """Return how a binding plays on its character."""
+def prepare(character: Character, binding: Binding, settings: SolverSettings = DEFAULT) -> Part:
+    """Return how a binding plays on its character, and how the solver is tuned for it."""
     first = None
     if binding.plan.follows_bodies:
-        first = prepare(character, binding.without_followers())
+        first = prepare(character, binding.without_followers(), settings)
     bodies = binding.bodies
     root = (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
     wanted: dict[int, tuple[bool, bool]] = {}
@@ -91,7 +92,7 @@ def prepare(character: Character, binding: Binding) -> Part:
         position, rotation = wanted.get(entry.body, (False, False))
         wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
-    return Part(character, binding, posing.prepare(character, bodies.positions, root, goals), first)
+    return Part(character, binding, posing.prepare(character, bodies.positions, root, goals, settings), first)
 
 
 def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Played:

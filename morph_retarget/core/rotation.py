@@ -9,6 +9,7 @@ from . import quat
 from .arrays import Array
 
 _IDENTITY = np.eye(3)
+_OPPOSITE = 1e-12
 _LEVI_CIVITA: Array = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1)
 
 
@@ -32,21 +33,19 @@ def half_turn(axes: Array) -> Array:
 
     The smallest rotation from unit vector a to unit vector b is half a turn about a and then one about a + b.
     """
-    return (2.0 / quat.dot(axes, axes))[..., None, None] * axes[..., :, None] * axes[..., None, :] - _IDENTITY
+    return (2.0 / np.maximum(quat.dot(axes, axes), 1e-300))[..., None, None] * axes[..., :, None] * axes[
+        ..., None, :
+    ] - _IDENTITY
 
 
-class Hinges:
-    """Rotations about axes that stay the same."""
+def between(a: Array, b: Array) -> Array:
+    """Return the smallest rotations that turn unit vectors ``a`` onto unit vectors ``b``.
 
-    def __init__(self, axes: Array) -> None:
-        """Take unit vectors, shape (hinge, 3)."""
-        x, y, z = axes[..., 0], axes[..., 1], axes[..., 2]
-        zero = np.zeros_like(x)
-        rows = [np.stack(row, axis=-1) for row in ((zero, -z, y), (z, zero, -x), (-y, x, zero))]
-        self._skew = np.stack(rows, axis=-2)
-        self._square = self._skew @ self._skew
-
-    def turned(self, angles: Array) -> Array:
-        """Return the rotations by angles [rad], shape (..., hinge) to (..., hinge, 3, 3)."""
-        sine, rest = np.sin(angles)[..., None, None], (1.0 - np.cos(angles))[..., None, None]
-        return _IDENTITY + sine * self._skew + rest * self._square
+    Opposite ones turn about an axis square to ``a``.
+    """
+    middle = a + b
+    odd = quat.dot(middle, middle) < _OPPOSITE
+    if odd.any():
+        least = np.eye(3)[np.argmin(np.abs(a), axis=-1)]
+        middle = np.where(odd[..., None], cross(a, least), middle)
+    return np.matmul(half_turn(middle), half_turn(a))

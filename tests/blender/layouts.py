@@ -66,6 +66,11 @@ class Layout:
         self.buttons.append(Button(kind))
         return self.buttons[-1]
 
+    def operator_menu_enum(self, name: str, prop: str, **options: Any) -> Button:
+        button = self.operator(name, **options)
+        assert prop in button.kind.properties, f"{name} has no setting {prop!r}"
+        return button
+
     def menu(self, name: str, text: str | None = None, icon: str = "NONE", **_: object) -> None:
         assert hasattr(bpy.types, name), f"there is no menu {name!r}"
         self._note(text, icon)

@@ -350,3 +350,28 @@ def test_a_muted_character_is_a_target_as_it_stands() -> None:
     bpy.context.scene.frame_set(2)
     goal = acts.in_world(act.obs[0], act.shown().positions[0, 0])
     assert np.abs(goal - acts.heads(act.obs[1], ["Head"])[0]).max() < 1e-5
+
+
+# --- the solver's settings ---
+
+
+def test_limbs_bend_the_spine_of_the_character_that_lets_them() -> None:
+    """A hand that cannot reach its target comes nearer to it; the other character's spine stays where it is."""
+    obs = [acts.creature("biped"), acts.creature("biped")]
+    act = acts.act(obs, REACH)
+    target = acts.empty_object("Fruit", (0.2, -0.9, 1.2))
+    for i in range(2):
+        act.values(i).target = target
+    act.key(1, position=(1.0, 0.0, 0.0))
+    of_rig(obs[0]).limbs_bend_spine = True
+    bpy.context.scene.frame_set(2)
+    bones = ["Chest", "Hand.L"]
+    leant, upright = (scenes.evaluated(ob, bones, [2])[0] for ob in obs)
+    rest = [np.array(ob.matrix_world @ ob.data.bones["Chest"].matrix_local) for ob in obs]
+    assert np.abs(upright[0] - rest[1]).max() < 1e-5
+    assert np.abs(leant[0] - rest[0]).max() > 0.05
+    away = [np.linalg.norm(pose[1][:3, 3] - np.array(target.location)) for pose in (leant, upright)]
+    assert away[0] < 0.8 * away[1]
+    of_rig(obs[0]).limbs_bend_spine = False
+    bpy.context.view_layer.update()
+    assert np.abs(scenes.evaluated(obs[0], bones, [2])[0] - upright).max() < 1e-5

@@ -11,7 +11,7 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import bake, cast, choice, deforms, pose
+from ..morph import bake, cast, choice, deforms, jiggles, pose
 from ..morph.bake import Options, Take
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
@@ -58,6 +58,18 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         type=numbers.above_zero,
         metavar="RATE",
         help="frame rate of the result (default: the character .blend's, else that of the action's file)",
+    )
+    parser.add_argument(
+        "--bend-spine",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="bend the spine for limbs that cannot reach otherwise (default: as the character's file says, else no)",
+    )
+    parser.add_argument(
+        "--jiggles",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="let tails, ears, hair and the like follow (default: as the character's file says, else yes)",
     )
     parser.add_argument(
         "--live", action="store_true", help="leave the generalized action on the characters, to be edited on; a .blend"
@@ -169,6 +181,11 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
         out.append(ob)
     action = job.source.bring()
     for ob in out:
+        jiggles.welcome(ob)
+        if arguments.bend_spine is not None:
+            of_rig(ob).limbs_bend_spine = arguments.bend_spine
+        if arguments.jiggles is not None:
+            of_rig(ob).jiggles.enabled = arguments.jiggles
         cast.add(ob, action)
     for ob in out:
         for name, target in arguments.target:

@@ -12,7 +12,7 @@ from ...core.errors import MotionError
 from ...core.morph import measure
 from ...core.play import Played
 from .. import actions, channels, keying
-from . import cast, clip, deform_keys, events, pose
+from . import cast, clip, deform_keys, events, jiggles, pose
 from .cast import Member
 from .clip import Clip
 
@@ -102,6 +102,7 @@ def take(ob: bpy.types.Object, scene: bpy.types.Scene, options: Options) -> Gene
     found = yield from clip.clip_of(member, ob, scene, frames, options.rate)
     sampled = time.perf_counter()
     played = play.evaluate(member.part, found.values, found.targets)
+    played = jiggles.over(member, scene, played, found, options.rate)
     seconds = {"bind": bound - start, "sample": sampled - bound, "evaluate": time.perf_counter() - sampled}
     return Take(member, found, played, seconds, options.rate)
 

@@ -17,6 +17,7 @@ from ...core.morph.bind import Binding, GeneralizedAction, bind
 from ...core.morph.bodies import Bodies
 from ...core.morph.channels import TargetKind
 from ...core.play import Part
+from ...core.solve.settings import DEFAULT, SolverSettings
 from .. import actions, collect
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of, pose_of
@@ -39,6 +40,7 @@ class Member:
     """What the armature is."""
     binding: Binding
     """How its bodies are posed."""
+    solver: SolverSettings = DEFAULT
 
     @property
     def bodies(self) -> Bodies:
@@ -48,12 +50,12 @@ class Member:
     @cached_property
     def part(self) -> Part:
         """What plays."""
-        return play.prepare(self.character, self.binding)
+        return play.prepare(self.character, self.binding, self.solver)
 
     @cached_property
     def free(self) -> Part:
         """The same without what has targets, for others that follow this one's bodies."""
-        return play.prepare(self.character, self.binding.untargeted())
+        return play.prepare(self.character, self.binding.untargeted(), self.solver)
 
 
 _analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
@@ -138,7 +140,8 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     action = action or action_of(ob)
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
-    state = (action.session_uid, len(of_action(action).channels), own.variant)
+    solver = replace(DEFAULT, limbs_bend_spine=own.limbs_bend_spine)
+    state = (action.session_uid, len(of_action(action).channels), own.variant, solver)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
@@ -153,7 +156,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
             selected=tuple(() if i in unknown else bodies for i, bodies in enumerate(binding.selected)),
             problems=(*unknown.values(), *binding.problems),
         )
-    found = Member(rig, action, definition, character, binding)
+    found = Member(rig, action, definition, character, binding, solver)
     _members[ob.session_uid] = (state, found)
     return found
 

@@ -70,17 +70,17 @@ def clip_of(
         frames: Frames of the scene, shape (frame,).
         rate: Frames of the action for each frame of the scene, counted from the first one.
     """
-    driven, moving = _driven(ob, member.action), _moving(member, ob)
+    others, moving = driven(ob, member.action), _moving(member, ob)
     values: Values | None = None
-    if not driven:
+    if not others:
         values = stage.values_over(member, ob, frames[0] + (frames - frames[0]) * rate)
-    if driven or moving:
+    if others or moving:
         read, places = yield from _stepped(member, ob, scene, frames)
         values = values or read
     else:
         places = stage.targets_of(member, ob, bpy.context.evaluated_depsgraph_get())
     assert values is not None, "they come from curves or from stepping"
-    return Clip(frames, values, places, (*driven, *moving))
+    return Clip(frames, values, places, (*others, *moving))
 
 
 def _stepped(
@@ -112,7 +112,7 @@ def _joined(parts: Sequence[Values]) -> Values:
     )
 
 
-def _driven(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[str, ...]:
+def driven(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[str, ...]:
     """Return what besides the F-curves of the assigned action gives channels their values."""
     data, out = ob.animation_data, list[str]()
     assert data is not None, "it plays an action"

@@ -81,8 +81,7 @@ def entry_for(member: Member, bone: str) -> int | None:
 def _chain(member: Member, entry: int) -> tuple[str, ...]:
     """Return the body of an entry and the bones that bring it to its place."""
     body = member.part.binding.entries[entry].body
-    joints = [joint for step in member.part.pose.steps if step.body == body for joint in step.joints]
-    return tuple(member.rig.skeleton.names[b] for b in (*joints, body))
+    return tuple(member.rig.skeleton.names[b] for b in (*member.part.pose.joints_of(body), body))
 
 
 def frames_now(member: Member, shown: Shown) -> Frames:

@@ -16,7 +16,7 @@ from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.morph.channels import Values
 from ..properties import of_rig
-from . import autokey, cast, deforms, generalize, keys, pose, remap, specialized, stage
+from . import autokey, cast, deforms, generalize, jiggles, keys, pose, remap, specialized, stage
 from .generalize import Held
 from .shown import Shown
 
@@ -36,7 +36,7 @@ def show_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None)
     if _busy:
         return
     graph = graph or bpy.context.evaluated_depsgraph_get()
-    _show(cast.performers(scene), graph, anew=True)
+    _show(cast.performers(scene), scene, graph, anew=True)
 
 
 def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
@@ -52,11 +52,12 @@ def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
     edited = {block for block in changed if isinstance(block, bpy.types.Action)}
     if edited:
         _follow_curves(found, edited)
+        jiggles.curves_edited(found)
     held = generalize.posed_by_hand(scene, graph, _shown)
     if held is not None:
         autokey.hold(held, show_frame)
         generalize.give(held)
-    _show(found, graph, anew=False, held=held)
+    _show(found, scene, graph, anew=False, held=held)
 
 
 def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> None:
@@ -81,6 +82,7 @@ def forget(ob: bpy.types.Object | None = None) -> None:
         _shown.clear()
         _driven.clear()
         autokey.forget()
+        jiggles.forget()
         specialized.forget()
     else:
         _shown.pop(ob.session_uid, None)
@@ -122,6 +124,7 @@ def _drop_edited(ob: bpy.types.Object, changed: Container[object]) -> None:
 
 def _show(
     found: list[bpy.types.Object],
+    scene: bpy.types.Scene,
     graph: bpy.types.Depsgraph,
     anew: bool,
     held: Held | None = None,
@@ -132,7 +135,7 @@ def _show(
             if of_rig(ob).muted:
                 continue
             try:
-                _show_one(ob, graph, anew, held)
+                _show_one(ob, scene, graph, anew, held)
             except MorphError as error:
                 cast.problems[ob.session_uid] = str(error)
                 forget(ob)
@@ -142,7 +145,9 @@ def _show(
         _busy.clear()
 
 
-def _show_one(ob: bpy.types.Object, graph: bpy.types.Depsgraph, anew: bool, held: Held | None) -> None:
+def _show_one(
+    ob: bpy.types.Object, scene: bpy.types.Scene, graph: bpy.types.Depsgraph, anew: bool, held: Held | None
+) -> None:
     member = cast.member(ob)
     # While something is edited, the evaluated copy may be older than what was just written.
     source = ob if held is not None else ob.evaluated_get(graph)
@@ -152,6 +157,7 @@ def _show_one(ob: bpy.types.Object, graph: bpy.types.Depsgraph, anew: bool, held
     if before is not None and before.member is member and before.inputs == inputs and not anew:
         return
     played = play.evaluate(member.part, values, targets)
+    played = jiggles.shown(member, played, scene, values, targets, anew)
     hands_off = held.bones if held is not None and held.ob == ob else ()
     state = pose.show(member.rig, played, hands_off)
     names = {member.rig.skeleton.names[bone] for bone in played.bones}

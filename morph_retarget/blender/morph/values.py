@@ -23,7 +23,8 @@ _OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
 _OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 
 
-def _cast(own: Any, _: bpy.types.Context) -> None:
+def tell_character(own: Any, _: bpy.types.Context | None = None) -> None:
+    """Tell that a setting of a character has changed."""
     for listener in character_listeners:
         listener(own.id_data)
 
@@ -80,13 +81,13 @@ class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
         name="Target",
         description="Object that the channel moves relative to, on this character",
         override=_OVERRIDABLE,
-        update=_cast,
+        update=tell_character,
     )
     target_bone: StringProperty(
         name="Bone",
         description="Bone of the target; its origin when empty",
         override=_OVERRIDABLE,
-        update=_cast,
+        update=tell_character,
     )
     active_body: StringProperty(
         name="Active Body", description="Bone that curves are specialized for and keys are kept for"
@@ -107,7 +108,14 @@ class Performer:
         description="Which of the ways in which the action can play on this character",
         min=0,
         override=_OVERRIDABLE,
-        update=_cast,
+        update=tell_character,
+    )
+    limbs_bend_spine: BoolProperty(
+        name="Limbs Bend Spine",
+        description="Bend and twist the spine for hands and feet that cannot reach their goals otherwise. Heads and "
+        "mouths always bend it. Takes longer while keys are edited",
+        override=_OVERRIDABLE,
+        update=tell_character,
     )
     stands_for: PointerProperty(
         type=bpy.types.Object,
@@ -123,7 +131,7 @@ class Performer:
         name="Mute",
         description="Leave the pose of this character alone",
         override=_OVERRIDABLE,
-        update=_cast,
+        update=tell_character,
     )
 
 

@@ -5,6 +5,7 @@ from . import (
     channel_presets,
     contacts,
     generalized,
+    jiggling,
     joints,
     keying,
     live,
@@ -28,4 +29,5 @@ CLASSES = (
     *keying.CLASSES,
     *channel_presets.CLASSES,
     *performing.CLASSES,
+    *jiggling.CLASSES,
 )

@@ -12,7 +12,7 @@ from ...core.morph.channels import Channel
 from ...core.morph.context import Context
 from ...core.morph.movement import Movement, ScaleMode
 from .. import collect
-from ..morph import cast, definitions, perform, query
+from ..morph import cast, definitions, jiggles, perform, query
 from ..morph.properties import of_action
 from ..properties import of_rig
 from ..rig import scene_of
@@ -97,6 +97,7 @@ def let_play(characters: Sequence[bpy.types.Object], action: bpy.types.Action) -
         cast.analysed(ob)
     scene = scene_of()
     for ob in characters:
+        jiggles.welcome(ob)
         cast.add(ob, action)
         for other in cast.playing(scene, action):
             _share_deforms(other, ob, action)

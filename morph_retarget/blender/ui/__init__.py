@@ -1,6 +1,6 @@
 """What the window shows: the tab in the 3D viewport's sidebar."""
 
-from . import channel_binding, channel_panels, channel_values, generalized, joint_list, panels
+from . import channel_binding, channel_panels, channel_values, generalized, jiggle_panel, joint_list, panels
 
 CLASSES = (
     *joint_list.CLASSES,
@@ -9,4 +9,5 @@ CLASSES = (
     *channel_panels.CLASSES,
     *channel_values.CLASSES,
     *channel_binding.CLASSES,
+    *jiggle_panel.CLASSES,
 )

@@ -178,6 +178,8 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             _draw_variant(row, ob)
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
+            if ob == active:
+                box.prop(of_rig(ob), "limbs_bend_spine")
             told = cast.tell(ob) if query.is_ready(ob) else []
             if ob != active and told:
                 row.label(text="", icon="ERROR")

@@ -1,0 +1,123 @@
+"""Jiggles: baking them on ordinary actions, and settings for single parts."""
+
+from collections.abc import Generator
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+
+from ...core.errors import MotionError, RigError, listed
+from .. import collect, jiggle_bake
+from ..morph import cast, query
+from ..morph.jiggle_properties import BONE, KINDS
+from ..properties import of_rig
+from ..rig import pose_of
+from .manners import Status, refuse, reporting, scene_in
+from .stepping import Stepping
+
+
+def _armature_poll(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    there = context.scene is not None and any(ob.type == "ARMATURE" for ob in context.scene.objects)
+    return there or refuse(cls, "The scene needs an armature")
+
+
+def _armature_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
+    """Return the armature of a name, else the active one.
+
+    Raises:
+        RigError: There is none.
+    """
+    ob = collect.armature(name, "character") if name else query.active_character(context)
+    if ob is None:
+        raise RigError("no armature is active: select one, or give its name")
+    return ob
+
+
+class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
+    bl_idname = "morph_retarget.bake_jiggles"
+    bl_label = "Bake Jiggles"
+    bl_description = (
+        "Let tails, ears, hair and the like follow the armature's action, as far as it leaves them alone, "
+        "and key them in a copy of it"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+    doing = "Baking"
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    action: StringProperty(name="Action", description="Action of the armature; the one that it plays when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _armature_poll(cls, context)
+
+    def start(self, context: bpy.types.Context) -> Generator[float, None, jiggle_bake.Outcome]:
+        ob = _armature_meant(context, self.character)
+        if not self.action and cast.action_of(ob) is not None:
+            raise MotionError(
+                f"{ob.name!r} plays a generalized action: switch its jiggles on, and bake the action to have keys"
+            )
+        if not len(pose_of(ob).bones):
+            raise RigError(f"armature {ob.name!r} has no bones: choose one that has")
+        action, slot = collect.actions_of(ob, self.action)[0]
+        return jiggle_bake.bake(ob, action, slot, scene_in(context))
+
+    def finish(self, _: bpy.types.Context, outcome: jiggle_bake.Outcome) -> Status:
+        self.report({"INFO"}, f"Made {outcome.action.name!r}, in which {listed(outcome.bones, 4)} jiggle")
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_add_jiggle_settings(bpy.types.Operator):
+    bl_idname = "morph_retarget.add_jiggle_settings"
+    bl_label = "Add Jiggle Settings"
+    bl_description = "Give one kind of parts, or one bone, settings of its own"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    kind: EnumProperty(name="For", description="What gets settings of its own", items=KINDS)
+    bone: StringProperty(name="Bone", description="Name of the bone; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _armature_meant(context, self.character)
+        name = self.bone
+        if self.kind == BONE and not name:
+            active = ob.data.bones.active if isinstance(ob.data, bpy.types.Armature) else None
+            if active is None:
+                raise RigError(f"no bone of {ob.name!r} is active: select one in Pose mode, or give its name")
+            name = active.name
+        if self.kind == BONE and name not in pose_of(ob).bones:
+            raise RigError(f"armature {ob.name!r} has no bone {name!r}: choose one that it has")
+        of_rig(ob).jiggles.add(self.kind, name)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_jiggle_settings(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_jiggle_settings"
+    bl_label = "Remove Jiggle Settings"
+    bl_description = "Let the chosen part jiggle like the others again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _armature_meant(context, self.character)
+        own = of_rig(ob).jiggles
+        if not 0 <= own.active_override < len(own.overrides):
+            raise RigError(f"{ob.name!r} has no such settings: choose some in the list")
+        own.remove(own.active_override)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    MORPHRETARGET_OT_bake_jiggles,
+    MORPHRETARGET_OT_add_jiggle_settings,
+    MORPHRETARGET_OT_remove_jiggle_settings,
+)

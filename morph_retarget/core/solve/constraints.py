@@ -1,0 +1,58 @@
+"""Length constraints between particles, Hecker 2008 §4.3.1: enforced softly, by moving both ends along the constraint.
+
+All constraints of a call are between different particles, and all frames are one batch.
+"""
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array
+
+TINY = 1e-12
+
+
+def softened(error: Array, width: Array | float) -> Array:
+    """Return how much of a length error is corrected: C1, quadratic up to ``width``, all but half of it beyond.
+
+    Args:
+        error: [m], any shape.
+        width: Errors smaller than this are corrected less and less [m], positive.
+    """
+    inside = np.minimum(np.abs(error), width)
+    return np.sign(error) * (np.abs(error) - inside + inside * inside / (2.0 * width))
+
+
+def beyond(distance: Array, start: Array, full: Array, least: Array) -> Array:
+    """Return the length error of simplified limbs: none while they can be expected to bend, C1 up to their length.
+
+    Args:
+        distance: From where a limb starts to its goal [m], shape (frame, limb).
+        start: Distance from which on there is an error [m], shape (limb,).
+        full: Distance from which on the error grows as the distance does [m], shape (limb,).
+        least: Distance to which a limb may shrink [m], shape (limb,).
+    """
+    room = np.maximum(full - start, TINY)
+    over = np.maximum(distance - start, 0.0)
+    inside = np.minimum(over, room)
+    return inside * inside / (2.0 * room) + (over - inside) + np.minimum(distance - least, 0.0)
+
+
+def corrections(start: Array, end: Array, rest: Array, width: Array | float) -> Array:
+    """Return the way by which the ends of constraints come nearer to each other in all, shape (..., 3).
+
+    Args:
+        start: Rootward particles [m], shape (..., 3).
+        end: Leafward particles, the same shape.
+        rest: Lengths that the constraints want [m], shape (...).
+        width: Of `softened`.
+    """
+    away = end - start
+    distance = quat.length(away)
+    share = softened(distance - rest, width) / np.maximum(distance, TINY)
+    return share[..., None] * away
+
+
+def smooth_step(value: Array, low: float, high: float) -> Array:
+    """Return 0 below ``low``, 1 above ``high`` and a smooth way between."""
+    t = np.minimum(np.maximum((value - low) / (high - low), 0.0), 1.0)
+    return t * t * (3.0 - 2.0 * t)

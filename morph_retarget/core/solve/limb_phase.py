@@ -1,0 +1,262 @@
+"""The limb phase, Hecker 2008 §4.3.3: what bends limbs to their goals once the spine is posed.
+
+Limbs are solved in the frame of what carries them, where their rest is the same for all frames. The *aim
+preconditioner* turns a limb from where its end rests to its goal by the smallest rotation and scales it along that way.
+Turning back again, what is left for the particles is a limb that is scaled along its own rest line. So the shape that
+they find depends on one number alone, the distance of the goal: it is found once for a row of distances, and read from
+there for all frames. Limbs of different numbers of joints are one batch; the shorter ones start with joints of no
+length.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .. import quat, rotation
+from ..arrays import Array
+from . import closing, constraints
+from .constraints import TINY
+from .settings import DEFAULT, SolverSettings
+
+STRAIGHT = np.radians(3.0)
+"""A limb whose joints all bend less than this at rest bends the way of its hint …"""
+BENT = np.radians(9.0)
+"""… and one with a joint that bends more than this, its own way."""
+SAMPLES = 257
+"""Distances from the shortest to the rest, and from there to the longest."""
+MISSED = 1e-5
+"""Share of a limb's length by which a distance may be missed."""
+LEAN = 1.0
+"""How far the bones of a straight limb lean for a way that has vanished altogether, as the tangent of the angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limbs:
+    """Chains that are solved together, at rest in the frames of what carries them."""
+
+    segments: Array
+    """From each joint to the next, the last one to the end [m], shape (limb, joint, 3); 0 where there is none."""
+    hints: Array
+    """Where the joints of straight limbs move when these bend, unit vectors or 0, shape (limb, 3)."""
+    settings: SolverSettings
+
+    @classmethod
+    def of(cls, points: Sequence[Array], hints: Sequence[Array], settings: SolverSettings = DEFAULT) -> "Limbs":
+        """Return limbs through points, each joint and then the end, shapes (joint + 1, 3)."""
+        most = max(len(p) for p in points) - 1
+        segments = np.zeros((len(points), most, 3))
+        for i, own in enumerate(points):
+            segments[i, most + 1 - len(own) :] = np.diff(own, axis=0)
+        return cls(segments, np.array(hints), settings)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Of the bones [m], shape (limb, joint)."""
+        return quat.length(self.segments)
+
+    @cached_property
+    def full(self) -> Array:
+        """Length of the stretched limbs [m], shape (limb,)."""
+        return np.maximum(self.lengths.sum(axis=-1), TINY)
+
+    @cached_property
+    def chords(self) -> Array:
+        """From start to end at rest [m], shape (limb,)."""
+        return quat.length(self.segments.sum(axis=1))
+
+    @cached_property
+    def lines(self) -> Array:
+        """Unit vectors from start to end at rest; that of the first bone where the two coincide; shape (limb, 3)."""
+        whole = self.segments.sum(axis=1)
+        first = self.segments[np.arange(len(self.full)), (self.lengths > TINY).argmax(axis=1)]
+        return quat.unit(np.where(self.chords[:, None] > 1e-6 * self.full[:, None], whole, first))
+
+    @cached_property
+    def directions(self) -> Array:
+        """Of the bones at rest, unit vectors, shape (limb, joint, 3); the line where a bone has no length."""
+        own = quat.unit(self.segments)
+        return np.where(own.any(axis=-1, keepdims=True), own, self.lines[:, None])
+
+    @cached_property
+    def leans(self) -> Array:
+        """How bones lean when a straight limb gets shorter [m], (limb, joint, 3): out to the hint and back again."""
+        ahead = quat.dot(self.hints, self.lines)[:, None]
+        aside = quat.unit(self.hints - ahead * self.lines)
+        other = quat.unit(quat.cross(self.lines, np.eye(3)[np.argmin(np.abs(self.lines), axis=-1)]))
+        aside = np.where(aside.any(axis=-1, keepdims=True), aside, other)
+        middle = (np.cumsum(self.lengths, axis=-1) - 0.5 * self.lengths) / self.full[:, None]
+        turns = quat.dot(self.directions[:, 1:], self.directions[:, :-1]) * (self.lengths[:, :-1] > TINY)
+        most = np.arccos(np.clip(np.where(self.lengths[:, :-1] > TINY, turns, 1.0), -1.0, 1.0)).max(axis=-1, initial=0)
+        straight = 1.0 - constraints.smooth_step(most, STRAIGHT, BENT)
+        out = (LEAN * straight)[:, None] * np.cos(np.pi * middle) * self.lengths
+        return out[..., None] * aside[:, None]
+
+    @cached_property
+    def aside(self) -> Array:
+        """Directions square to the lines, shape (limb, 3)."""
+        return quat.unit(quat.cross(self.lines, np.eye(3)[np.argmin(np.abs(self.lines), axis=-1)]))
+
+    @cached_property
+    def gives(self) -> Array:
+        """Shares of a correction by which the rootward and the leafward particle of a bone move, (limb, joint, 2).
+
+        The two have equal masses; where a limb starts, and at its goal, they are held.
+        """
+        there = self.lengths > TINY
+        free = np.stack([there & (np.cumsum(there, axis=-1) > 1), there], axis=-1).astype(np.float64)
+        free[:, -1, 1] = 0.0
+        return free / np.maximum(free.sum(axis=-1, keepdims=True), 1.0)
+
+    def reachable(self, away: Array) -> Array:
+        """Return distances within reach, shape (frame, limb).
+
+        Those near a limb's length are approached ever more slowly: it reaches toward what it cannot reach, without a
+        snap and without being hyper-extended.
+        """
+        soft = np.maximum(self.settings.slow_down * self.full, self.chords)
+        room = np.maximum(self.settings.full_reach * self.full - soft, 1e-9 * self.full)
+        beyond = np.maximum(away - soft, 0.0)
+        return np.where(away > soft, soft + room * (1.0 - np.exp(-beyond / room)), away)
+
+    def half_way(self, vectors: Array) -> Array:
+        """Return half turns about what lies between vectors and the rest lines, shape (frame, limb, 3, 3).
+
+        One from the end and one to the goal make the smallest rotations over the rest line, so that only goals straight
+        behind that are singular, whatever the bend.
+        """
+        lengths = quat.length(vectors)[..., None]
+        between = self.lines + vectors / np.maximum(lengths, 1e-9)
+        odd = quat.dot(between, between) < 1e-9
+        if odd.any():
+            between[odd] = np.broadcast_to(self.aside, between.shape)[odd]
+        return rotation.half_turn(between)
+
+    @cached_property
+    def top(self) -> Array:
+        """Farthest that limbs reach [m], shape (limb,)."""
+        return self.reachable(np.full(len(self.full), 1e9) * self.full)
+
+    @cached_property
+    def shapes(self) -> "Shapes":
+        """What the particles make of the limbs, by the distance of their goals."""
+        return Shapes.of(self)
+
+    @cached_property
+    def _half_turns(self) -> Array:
+        return rotation.half_turn(self.directions)
+
+    def turns(self, shape: Array) -> Array:
+        """Return the smallest rotations from rest that give the bones directions, shape (frame, limb, joint, 3, 3)."""
+        between = shape + self.directions
+        odd = quat.dot(between, between) < 1e-12
+        if odd.any():
+            between[odd] = np.broadcast_to(self.aside[:, None], shape.shape)[odd]
+        return np.matmul(rotation.half_turn(between), self._half_turns)
+
+
+def solve(limbs: Limbs, goals: Array) -> Array:
+    """Return how each joint turns from where it is carried, to bring the ends to their goals.
+
+    Args:
+        limbs: The limbs.
+        goals: From where each limb starts, in the frame of what carries it [m], shape (frame, limb, 3).
+
+    Returns:
+        Rotation matrices, shape (frame, limb, joint, 3, 3).
+    """
+    directions = limbs.shapes.at(limbs.reachable(quat.length(goals)))
+    ends = (limbs.lengths[..., None] * directions).sum(axis=-2)
+    aim = np.matmul(limbs.half_way(goals), limbs.half_way(ends))
+    return np.matmul(aim[:, :, None], limbs.turns(directions))
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """Directions of limbs' bones for a row of distances from the shortest over the rest to the longest.
+
+    The steps are small where the shape changes fast: next to the shortest, to the rest of straight limbs, and to the
+    longest it does so with the square root of the distance.
+    """
+
+    least: Array
+    """Shortest distance [m], shape (limb,)."""
+    rest: Array
+    """Of the limbs' ends at rest [m], shape (limb,)."""
+    top: Array
+    """Longest [m], shape (limb,)."""
+    directions: Array
+    """Unit vectors, shape (limb, distance, joint, 3)."""
+
+    @classmethod
+    def of(cls, limbs: Limbs) -> "Shapes":
+        """Return the shapes of limbs."""
+        rest = np.minimum(limbs.chords, limbs.top)
+        # Not all limbs fold up altogether: the shortest distance is the one below which some are not come to.
+        asked = np.linspace(0.02, 0.999, SAMPLES)[:, None] * rest
+        came = quat.length((limbs.lengths[..., None] * _solved(limbs, asked)).sum(axis=-2))
+        missed = np.abs(came - asked) > MISSED * limbs.full
+        last = SAMPLES - 1 - missed[::-1].argmax(axis=0)
+        least = np.where(missed.any(axis=0), asked[np.minimum(last + 1, SAMPLES - 1), np.arange(len(rest))], asked[0])
+        y = np.linspace(0.0, 1.0, SAMPLES)[:, None]
+        shorter = least + (rest - least) * 0.5 * (1.0 - np.cos(np.pi * y))
+        longer = rest + (limbs.top - rest) * np.sin(0.5 * np.pi * y)
+        directions = _solved(limbs, np.concatenate([shorter, longer[1:]]))
+        directions[SAMPLES - 1] = limbs.directions
+        return cls(least, rest, limbs.top, directions.swapaxes(0, 1).copy())
+
+    def at(self, distance: Array) -> Array:
+        """Return directions for distances [m], shape (frame, limb) to (frame, limb, joint, 3)."""
+        span = np.maximum(self.rest - self.least, TINY)
+        # What is the rest but for rounding is the rest.
+        away = distance - self.rest
+        away = np.where(np.abs(away) < 1e-12 * self.top, 0.0, away)
+        below = np.minimum(np.maximum(1.0 + away / span, 0.0), 1.0)
+        above = np.minimum(np.maximum(away / np.maximum(self.top - self.rest, TINY), 0.0), 1.0)
+        place = (SAMPLES - 1) * (np.arccos(1.0 - 2.0 * below) / np.pi + np.arcsin(above) * (2.0 / np.pi))
+        low = np.minimum(place.astype(np.intp), 2 * SAMPLES - 3)
+        part = (place - low)[..., None, None]
+        limb = np.arange(len(self.least))
+        directions = (1.0 - part) * self.directions[limb, low] + part * self.directions[limb, low + 1]
+        return directions / quat.length(directions)[..., None]
+
+
+def _solved(limbs: Limbs, distance: Array) -> Array:
+    """Return the directions of bones that the particles find for distances, shape (frame, limb, joint, 3)."""
+    shape = _enforced(limbs, _aimed(limbs, distance), limbs.settings)
+    return closing.close(shape, limbs.lengths, limbs.lines[None], distance)
+
+
+def _aimed(limbs: Limbs, distance: Array) -> Array:
+    """Return the bones of limbs that are scaled along their rest lines to a distance, shape (frame, limb, joint, 3).
+
+    Straight ones would stay straight; they lean to their hints as they get shorter.
+    """
+    scale = distance / np.maximum(limbs.chords, 0.1 * limbs.full)
+    lean = np.sqrt(np.maximum(1.0 - scale * scale, 0.0))
+    along = quat.dot(limbs.segments, np.broadcast_to(limbs.lines[:, None], limbs.segments.shape))
+    scaled = limbs.segments + ((scale - 1.0)[..., None] * along)[..., None] * limbs.lines[:, None]
+    return scaled + lean[..., None, None] * limbs.leans
+
+
+def _enforced(limbs: Limbs, segments: Array, settings: SolverSettings) -> Array:
+    """Return the directions of bones whose lengths have been enforced, from the end inward, several times."""
+    count = segments.shape[-2]
+    lengths, width = limbs.lengths, settings.softness * np.maximum(limbs.lengths, TINY)
+    # Particles are held as the bones between them: to move one is to lengthen the bone before it and shorten the next.
+    bones = [segments[..., i, :] for i in range(count)]
+    for _ in range(settings.outer_iterations if count > 1 else 0):
+        for i in range(count - 1, -1, -1):
+            distance = quat.length(bones[i])
+            share = constraints.softened(distance - lengths[:, i], width[:, i]) / np.maximum(distance, TINY)
+            change = share[..., None] * bones[i]
+            rootward, leafward = limbs.gives[:, i, 0, None], limbs.gives[:, i, 1, None]
+            bones[i] = bones[i] - (rootward + leafward) * change
+            if i > 0:
+                bones[i - 1] = bones[i - 1] + rootward * change
+            if i < count - 1:
+                bones[i + 1] = bones[i + 1] + leafward * change
+    shape = np.stack(bones, axis=-2)
+    size = quat.length(shape)[..., None]
+    return np.where(size > TINY, shape / np.maximum(size, TINY), limbs.directions)

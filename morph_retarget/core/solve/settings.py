@@ -1,0 +1,43 @@
+"""What tunes the particle IK solver; the values are those of Hecker 2008 §4.3 wherever it tells them."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class SolverSettings:
+    """Parameters of the solver; lengths are shares of a constraint's own rest length, so that size does not matter."""
+
+    limbs_bend_spine: bool = False
+    """Whether limbs pull at the spine when they cannot reach their goals otherwise. Heads and mouths always do, and
+    feet hold on to a spine that these bend."""
+    outer_iterations: int = 5
+    """How often all constraints are enforced, from the leaves inward (§4.3.2)."""
+    softness: float = 0.1
+    """Length errors smaller than this are corrected less, the smaller the less: soft constraints (§4.3.1)."""
+    shrink: float = 0.1
+    """Least length of a simplified limb (§4.3.2)."""
+    spine_shrink: float = 0.7
+    """Least length of a spine constraint when it is projected. The paper's 0.1 is for bones that shrink; a spine whose
+    bones keep their lengths would have to fold in two for that …"""
+    stretch: float = 1.2
+    """… and its most (§4.3.2); bones that keep their lengths stop at their own."""
+    buckling_start: float = 60.0
+    """A spine that folds by more than this between neighbouring constraints is pulled back toward rest [degrees] …"""
+    buckling_full: float = 120.0
+    """… and is pulled back with all of `anti_buckling` from here on."""
+    anti_buckling: float = 0.5
+    """Share of the way to the root-relative rest pose by which a buckled spine is pulled back, each iteration."""
+    slow_down: float = 0.98
+    """Share of a limb's length from which on it slows down toward goals that it cannot reach …"""
+    full_reach: float = 0.9992
+    """… and how far it stretches in the end: it reaches, and is never quite straight."""
+    spine_start: float = 0.95
+    """Share of a limb's length from which on it pulls at the spine, or its rest chord if that is longer. The paper
+    pulls from the rest chord on (0); the later, the longer the spine stays where the animator has put it."""
+    refinements: int = 2
+    """How often the spine gives way to limbs that still cannot reach their goals, after it has been reconstructed."""
+    twist: float = 60.0
+    """Most that a branch point twists about the spine for them [degrees]."""
+
+
+DEFAULT = SolverSettings()

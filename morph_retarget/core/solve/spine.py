@@ -1,0 +1,288 @@
+"""A spine as the solver sees it, Hecker 2008 §4.3.2: branch points, the bones between them, and limbs that pull.
+
+All is in the frame of what carries the spine, with the first joint as origin; so its rest is mostly the same for all
+frames. Pieces of different numbers of bones are one batch; the shorter ones start with bones of no length.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from .. import quat, rotation
+from ..arrays import Array, Indices
+from .constraints import TINY
+from .limb_phase import Limbs
+from .settings import SolverSettings
+from .spline import Splines
+
+BACK = np.array([0.0, 1.0, 0.0])
+"""Where a straight spine bends when it is pushed together, character frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pull:
+    """A limb that pulls at a branch point."""
+
+    node: int
+    joint: int
+    """The joint whose bone carries it."""
+    start: Array
+    """Where it starts, from that joint at rest [m], shape (3,)."""
+    chord: float
+    """From there to its end at rest [m]."""
+    full: float
+    """Length when it is stretched [m] …"""
+    least: float
+    """… and when it is folded up."""
+    holds: bool = False
+    """Whether its goal counts more than those of the spine: feet stay where they stand."""
+
+
+@dataclass(frozen=True, eq=False)
+class PulledNode:
+    """The limbs that pull at a branch point."""
+
+    pulls: Indices
+    """Their places among all that pull, shape (limb,)."""
+    start: Array
+    """Distance of their goals from which on they pull [m], shape (limb,)."""
+    full: Array
+    """Distance from which on they pull with all that is missing [m], shape (limb,)."""
+    least: Array
+    """Distance below which they push [m], shape (limb,)."""
+
+    @classmethod
+    def of(cls, pulls: Sequence[Pull], node: int, settings: SolverSettings) -> "PulledNode":
+        """Return those of a node."""
+        own = [i for i, pull in enumerate(pulls) if pull.node == node]
+        chord: Array = np.array([pulls[i].chord for i in own])
+        full: Array = np.array([pulls[i].full for i in own])
+        return cls(
+            np.array(own, dtype=np.intp), np.maximum(settings.spine_start * full, chord), full, settings.shrink * chord
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Spine:
+    """The bones of a spine that can bend, from the first joint that can turn to the last branch point."""
+
+    points: Array
+    """Joints, and where the last bone ends, at rest, character frame [m], shape (joint + 1, 3)."""
+    nodes: tuple[int, ...]
+    """Points that are branch points; the first is point 0, which stays, the last is the last point."""
+    pulls: tuple[Pull, ...]
+    settings: SolverSettings
+
+    @cached_property
+    def pulled(self) -> "dict[int, PulledNode]":
+        """Branch points that limbs pull at."""
+        return {node: PulledNode.of(self.pulls, node, self.settings) for node in {pull.node for pull in self.pulls}}
+
+    @cached_property
+    def held(self) -> int:
+        """The outermost branch point that feet hold, 0 without one."""
+        return max((pull.node for pull in self.pulls if pull.holds), default=0)
+
+    @cached_property
+    def reach(self) -> Array:
+        """Up to where limbs reach their goals without slowing down [m], shape (pull,)."""
+        return np.array([max(self.settings.slow_down * pull.full, pull.chord) for pull in self.pulls])
+
+    @cached_property
+    def folded(self) -> Array:
+        """Nearest that limbs come [m], shape (pull,)."""
+        return np.array([pull.least for pull in self.pulls])
+
+    @cached_property
+    def segments(self) -> Array:
+        """From each joint to the next point at rest [m], shape (joint, 3)."""
+        return np.diff(self.points, axis=0)
+
+    @cached_property
+    def size(self) -> float:
+        """Length of all bones [m]."""
+        return float(quat.length(self.segments).sum())
+
+    @cached_property
+    def rows(self) -> Indices:
+        """Points of each piece, the first one again and again where it has fewer, shape (piece, bone + 1)."""
+        spans = np.diff(self.nodes)
+        places: Indices = np.arange(int(spans.max()) + 1) - (spans.max() - spans)[:, None]
+        return np.maximum(places, 0) + np.array(self.nodes[:-1])[:, None]
+
+    @cached_property
+    def pieces(self) -> Limbs:
+        """The bones between neighbouring branch points."""
+        chains = [self.points[a : b + 1] for a, b in zip(self.nodes, self.nodes[1:], strict=False)]
+        return Limbs.of(chains, [BACK] * len(chains), self.settings)
+
+    @cached_property
+    def leans(self) -> Array:
+        """How bones that stand in line lean when they are pushed together, as tangents, shape (piece, bone, 3)."""
+        return self.pieces.leans / np.maximum(self.pieces.lengths, TINY)[..., None]
+
+    @cached_property
+    def most(self) -> Array:
+        """Farthest that the ends of each piece come from each other [m], shape (piece,)."""
+        pieces = self.pieces
+        alone = (pieces.lengths > TINY).sum(axis=-1) == 1
+        return np.where(alone, pieces.full, np.minimum(pieces.full, self.settings.stretch * pieces.chords))
+
+    @cached_property
+    def least(self) -> Array:
+        """Nearest that they come [m], shape (piece,)."""
+        pieces = self.pieces
+        longest = 2.0 * pieces.lengths.max(axis=-1) - pieces.full
+        return np.minimum(np.maximum(longest, self.settings.spine_shrink * pieces.chords), self.most)
+
+    @cached_property
+    def splines(self) -> Splines:
+        """Through the points of the pieces."""
+        return Splines.through(self.pieces.lengths)
+
+    @cached_property
+    def bone_of(self) -> tuple[Indices, Indices]:
+        """For each joint its piece and its place there."""
+        own = np.searchsorted(self.nodes, np.arange(len(self.segments)), side="right") - 1
+        spans = np.diff(self.nodes)
+        return own, np.arange(len(self.segments)) - np.array(self.nodes)[own] + (spans.max() - spans)[own]
+
+    def unpadded(self, directions: Array) -> Array:
+        """Return directions of bones, those of no length as the first one that has some, (frame, piece, bone, 3)."""
+        return directions if self._first is None else directions[:, np.arange(len(self._first))[:, None], self._first]
+
+    @cached_property
+    def _first(self) -> Indices | None:
+        spans = np.diff(self.nodes)
+        if (spans == spans.max()).all():
+            return None
+        places: Indices = np.arange(int(spans.max()))
+        return np.maximum(places, (spans.max() - spans)[:, None])
+
+    @cached_property
+    def still(self) -> "Rest":
+        """The rest of a spine none of whose bones has a turn of its own."""
+        return Rest(self, np.broadcast_to(np.eye(3), (1, len(self.segments), 3, 3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """The root-relative rest pose of a spine; the first axis of all is that of frames, or 1."""
+
+    spine: Spine
+    turns: Array
+    """How its bones are turned, shape (frame, joint, 3, 3)."""
+    points: Array = field(init=False)
+    """[m], shape (frame, joint + 1, 3)."""
+
+    def __post_init__(self) -> None:
+        bones = rotation.apply(self.turns, self.spine.segments)
+        start = np.zeros((len(bones), 1, 3))
+        object.__setattr__(self, "points", np.concatenate([start, np.cumsum(bones, axis=1)], axis=1))
+
+    def at(self, rows: Indices) -> "Rest":
+        """Return the rest of some frames."""
+        return self if len(self.turns) == 1 else Rest(self.spine, self.turns[rows])
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Branch points [m], shape (frame, node, 3)."""
+        return self.points.take(self.spine.nodes, axis=1)
+
+    @cached_property
+    def constraints(self) -> Array:
+        """From each branch point to the next, shape (frame, piece, 3)."""
+        return np.diff(self.nodes, axis=1)
+
+    @cached_property
+    def chords(self) -> Array:
+        """Their lengths [m], shape (frame, piece)."""
+        return quat.length(self.constraints)
+
+    @cached_property
+    def starts(self) -> Array:
+        """Where the limbs that pull start, from their branch points [m], shape (frame, pull, 3)."""
+        joints, nodes = [p.joint for p in self.spine.pulls], [self.spine.nodes[p.node] for p in self.spine.pulls]
+        own = np.array([p.start for p in self.spine.pulls]).reshape(-1, 3)
+        return self.points[:, joints] + rotation.apply(self.turns[:, joints], own) - self.points[:, nodes]
+
+    @cached_property
+    def piece_turns(self) -> Array:
+        """Turns of the bones of the pieces, shape (frame, piece, bone, 3, 3)."""
+        return self.turns.take(self.spine.rows[:, :-1], axis=1)
+
+    @cached_property
+    def directions(self) -> Array:
+        """Of the bones, unit vectors, shape (frame, piece, bone, 3)."""
+        return self.spine.unpadded(rotation.apply(self.piece_turns, self.spine.pieces.directions))
+
+    @cached_property
+    def splined(self) -> Array:
+        """The splines, shape (frame, piece, 6, 3)."""
+        return np.matmul(self.spine.splines.fit, self.points.take(self.spine.rows, axis=1))
+
+    @cached_property
+    def offsets(self) -> Array:
+        """The points from the splines [m], shape (frame, piece, bone + 1, 3)."""
+        return self.points.take(self.spine.rows, axis=1) - np.matmul(self.spine.splines.places, self.splined)
+
+    @cached_property
+    def strays(self) -> bool:
+        """Whether some points are off the splines."""
+        return bool(np.abs(self.offsets).max() > 1e-9 * self.spine.size)
+
+    @cached_property
+    def back(self) -> Array:
+        """What undoes the carrying of a frame along the bones, shape (frame, piece, bone, 3, 3)."""
+        return rotation.transposed(transported(self.directions[:, :, 0], self.directions))
+
+    @cached_property
+    def folds(self) -> Array:
+        """Angles between neighbouring constraints [rad], 0 for the first, shape (frame, piece)."""
+        own = self.constraints
+        before = np.concatenate([own[:, :1], own[:, :-1]], axis=1)
+        return np.arctan2(quat.length(quat.cross(before, own)), quat.dot(before, own))
+
+    @property
+    def is_turned(self) -> bool:
+        """Whether bones have turns of their own."""
+        return self is not self.spine.still
+
+    @cached_property
+    def tangents(self) -> Array:
+        """At the branch points, unit vectors, shape (frame, node, 3)."""
+        return tangents(self.nodes, self.constraints[:, 0])
+
+
+def transported(before: Array, directions: Array) -> Array:
+    """Return how a frame turns that is carried along bones by the smallest rotations, shape (..., bone, 3, 3).
+
+    Args:
+        before: Where the first bone led when the frame was not turned, unit vectors, shape (..., 3).
+        directions: Of the bones, unit vectors, shape (..., bone, 3).
+    """
+    steps = rotation.between(np.concatenate([before[..., None, :], directions[..., :-1, :]], axis=-2), directions)
+    for i in range(1, steps.shape[-3]):
+        steps[..., i, :, :] = np.matmul(steps[..., i, :, :], steps[..., i - 1, :, :])
+    return steps
+
+
+def tangents(at: Array, first: Array) -> Array:
+    """Return tangents of branch points: three-point differences, and at the end that of a natural cubic spline.
+
+    The paper's formula for the end has its first difference the other way round, as a straight line tells.
+
+    Args:
+        at: The branch points [m], shape (frame, node, 3).
+        first: The tangent of the first one, which is known, shape (frame or 1, 3).
+
+    Returns:
+        Unit vectors, shape (frame, node, 3).
+    """
+    out = np.empty_like(at)
+    out[:, 0] = first
+    out[:, 1:-1] = 0.5 * (at[:, 2:] - at[:, :-2])
+    out[:, -1] = 1.5 * (at[:, -1] - at[:, -2]) - 0.5 * out[:, -2]
+    return quat.unit(out)

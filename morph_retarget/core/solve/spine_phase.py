@@ -1,0 +1,336 @@
+"""The spine phase, Hecker 2008 §4.3.2: what bends the spine so that limbs, heads and mouths come to their goals.
+
+Particles stand where several things meet, the *branch points*, with one constraint between neighbours, however many
+bones there are. Limbs are single constraints from a branch point to their goals. When the iterations are over, splines
+put the bones between the branch points in shape, and `closing` gives them back their lengths.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import quat, rotation
+from ..arrays import Array, Indices
+from . import closing, constraints
+from .constraints import TINY
+from .spine import Rest, Spine, tangents, transported
+
+PASSES = 2
+"""How often branch points are brought within reach of each other, inward and outward."""
+MISSED = 1e-4
+"""Share of the spine's length by which limbs may fall short of their goals before it gives way."""
+FAR = 0.15
+"""Share of the spine's length up to which it gives way the more, the more limbs fall short."""
+EAGER = 2.0
+"""By how much more than limbs fall short branch points give way: what else holds the spine takes part of it back."""
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """What bends a spine, in the frame of what carries it and from its first joint."""
+
+    pins: Array
+    """Goals of the branch points themselves [m], shape (frame, node, 3)."""
+    pinned: Array
+    """How much they count, 0 where a branch point has none, shape (frame, node)."""
+    goals: Array
+    """Where the limbs that pull shall end [m], shape (frame, pull, 3)."""
+    weights: Array
+    """How much they count, shape (frame, pull)."""
+    held: Array
+    """How far the body at the last branch point has a turn of its own, shape (frame,)."""
+
+    def at(self, rows: Indices) -> "Wanted":
+        """Return what is wanted in some frames."""
+        return Wanted(self.pins[rows], self.pinned[rows], self.goals[rows], self.weights[rows], self.held[rows])
+
+
+def solve(rest: Rest, wanted: Wanted) -> Array:
+    """Return how the bones of a spine turn from rest, in the frame of what carries it, (frame or 1, joint, 3, 3).
+
+    Args:
+        rest: The root-relative rest pose.
+        wanted: What bends it.
+    """
+    particles = np.repeat(rest.nodes, len(wanted.goals), axis=0) if len(rest.nodes) == 1 else rest.nodes.copy()
+    if not _is_stirred(rest, wanted, particles):
+        return rest.turns
+    _iterate(rest, wanted, particles)
+    twists = np.zeros(particles.shape[:2])
+    turns = _reconstructed(rest, wanted, particles, twists)
+    rows: Indices = np.arange(len(turns))
+    for _ in range(rest.spine.settings.refinements if rest.spine.pulls else 0):
+        short, arms = _short(rest, wanted, turns[rows])
+        still = np.abs(short).max(axis=(1, 2)) > MISSED * rest.spine.size
+        if not still.any():
+            break
+        rows, rest, wanted, particles, twists = (
+            rows[still],
+            rest.at(still),
+            wanted.at(still),
+            particles[still],
+            twists[still],
+        )
+        _give_way(rest.spine, short[still], arms[still], particles, twists)
+        turns[rows] = _reconstructed(rest, wanted, particles, twists)
+    return turns
+
+
+def _give_way(spine: Spine, short: Array, arms: Array, particles: Array, twists: Array) -> None:
+    """Move and twist branch points so that limbs come nearer to their goals.
+
+    Args:
+        spine: The spine.
+        short: How far limbs fall short [m], shape (frame, pull, 3).
+        arms: Where they start, from the joints that carry them [m], shape (frame, pull, 3).
+        particles: The branch points.
+        twists: How far they turn about the spine [rad], shape (frame, node).
+    """
+    most = np.radians(spine.settings.twist)
+    for node, own in spine.pulled.items():
+        ways, lever = short.take(own.pulls, axis=1), arms.take(own.pulls, axis=1)
+        axis = particles[:, node] - particles[:, node - 1]
+        axis = (axis / np.maximum(quat.length(axis), TINY)[:, None])[:, None]
+        lever = lever - np.matmul(lever, axis.swapaxes(1, 2)) * axis
+        # What each adds to the twist that would bring its limb nearest.
+        turning = np.matmul(rotation.cross(lever, ways), axis.swapaxes(1, 2)).sum(axis=(1, 2))
+        twist = twists[:, node] + EAGER * turning / np.maximum((lever * lever).sum(axis=(1, 2)), TINY)
+        twists[:, node] = np.minimum(np.maximum(twist, -most), most)
+        particles[:, node] += EAGER * _together(ways)
+
+
+def _is_stirred(rest: Rest, wanted: Wanted, particles: Array) -> bool:
+    """Return whether anything wants the spine to bend."""
+    tiny = 1e-9 * rest.spine.size
+    if (wanted.pinned[..., None] * np.abs(wanted.pins - particles)).max() > tiny:
+        return True
+    return any(np.abs(_pulled(rest, wanted, particles, node)).max() > tiny for node in rest.spine.pulled)
+
+
+def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
+    """Enforce all constraints from the leaves inward, several times; what buckles is pulled back to rest."""
+    spine, settings = rest.spine, rest.spine.settings
+    count = particles.shape[1]
+    if count == 2 and not spine.pulls:  # a single branch point has nobody to come to terms with
+        particles[:, 1] += wanted.pinned[:, 1, None] * (wanted.pins[:, 1] - particles[:, 1])
+        _unbuckle(rest, particles)
+        return
+    free = 1.0 - wanted.pinned[..., None]
+    free[:, 0] = 0.0
+    shares = free[:, 1:] / np.maximum(free[:, 1:] + free[:, :-1], TINY)
+    pinned = [bool(own.any()) for own in wanted.pinned.T]
+    width = settings.softness * rest.chords
+    for turn in range(settings.outer_iterations):
+        for node in range(count - 1, 0, -1):
+            own = particles[:, node]
+            if node in spine.pulled:
+                own += _together(_pulled(rest, wanted, particles, node))
+            if pinned[node]:
+                own += wanted.pinned[:, node, None] * (wanted.pins[:, node] - own)
+            change = constraints.corrections(particles[:, node - 1], own, rest.chords[:, node - 1], width[:, node - 1])
+            moved = shares[:, node - 1] * change
+            own -= moved
+            if node > 1:
+                particles[:, node - 1] += change - moved
+        if turn % 2:  # twice in five is enough to see it fold
+            _unbuckle(rest, particles)
+
+
+def _pulled(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array:
+    """Return how far limbs move their branch point, shape (frame, limb, 3)."""
+    own = rest.spine.pulled[node]
+    away = wanted.goals[:, own.pulls] - rest.starts[:, own.pulls] - particles[:, node, None]
+    distance = quat.length(away)
+    error = constraints.beyond(distance, own.start, own.full, own.least)
+    return (wanted.weights[:, own.pulls] * error / np.maximum(distance, TINY))[..., None] * away
+
+
+def _held_back(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array:
+    """Return how far limbs hold their branch point back that it must not leave behind, shape (frame, limb, 3)."""
+    own = rest.spine.pulled[node]
+    away = wanted.goals[:, own.pulls] - rest.starts[:, own.pulls] - particles[:, node, None]
+    distance = quat.length(away)
+    share = wanted.weights[:, own.pulls] * np.maximum(distance - own.full, 0.0)
+    return (share / np.maximum(distance, TINY))[..., None] * away
+
+
+def _together(ways: Array) -> Array:
+    """Return how far a particle moves that several constraints want to move, shape (frame, 3).
+
+    Each counts by how far it wants: one alone moves it all its way, and two that want the same do not move it twice.
+    """
+    sizes = quat.length(ways)
+    return np.matmul(sizes[:, None], ways)[:, 0] / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
+
+
+def _unbuckle(rest: Rest, particles: Array) -> None:
+    """Pull branch points back to the root-relative rest pose where a constraint folds over against its neighbour."""
+    settings = rest.spine.settings
+    along = np.diff(particles, axis=1)
+    before = np.concatenate([np.broadcast_to(rest.constraints[:, :1], along[:, :1].shape), along[:, :-1]], axis=1)
+    low, high = np.radians(settings.buckling_start), np.radians(settings.buckling_full)
+    # Mostly nothing folds: no constraint leads far off the one before it.
+    if (quat.dot(before, along) > np.cos(0.5 * low) * quat.length(before) * quat.length(along)).all():
+        return
+    fold = _angles(before, along) - rest.folds
+    if (fold > low).any():
+        share = settings.anti_buckling * constraints.smooth_step(fold, low, high)
+        particles[:, 1:] += share[..., None] * (rest.nodes[:, 1:] - particles[:, 1:])
+
+
+def _short(rest: Rest, wanted: Wanted, turns: Array) -> tuple[Array, Array]:
+    """Return how far limbs fall short of their goals, or go too far, and where they start, shape (frame, pull, 3).
+
+    The starts are from the joints that carry the limbs.
+    """
+    spine = rest.spine
+    bones = np.cumsum(rotation.apply(turns, spine.segments), axis=1)
+    places = np.concatenate([np.zeros((len(bones), 1, 3)), bones], axis=1)
+    joints = [pull.joint for pull in spine.pulls]
+    arms = rotation.apply(turns[:, joints], np.array([pull.start for pull in spine.pulls]))
+    away = wanted.goals - places[:, joints] - arms
+    distance = quat.length(away)
+    error = np.maximum(distance - spine.reach, 0.0) + np.minimum(distance - spine.folded, 0.0)
+    # What is out of reach anyway pulls no harder than what is just beyond.
+    error = error / np.sqrt(1.0 + (error / (FAR * spine.size)) ** 2)
+    share = wanted.weights * error / np.maximum(distance, TINY)
+    return share[..., None] * away, arms
+
+
+def _project(rest: Rest, wanted: Wanted, particles: Array) -> None:
+    """Bring neighbouring branch points within reach of each other, first from the outermost inward."""
+    spine, count = rest.spine, particles.shape[1]
+    for _ in range(PASSES if count > 2 else 1):
+        for node in range(count - 1, 0, -1):
+            particles[:, node] += wanted.pinned[:, node, None] * (wanted.pins[:, node] - particles[:, node])
+            if node > 1:
+                particles[:, node - 1] = _within(particles[:, node], particles[:, node - 1], spine, node - 1)
+        for node in range(1, count):
+            particles[:, node] = _within(particles[:, node - 1], particles[:, node], spine, node - 1)
+
+
+def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int) -> None:
+    """Bring the last branch point to its goal, where the constraints from a branch point on can reach it together.
+
+    Bringing neighbours within reach, one after the other, gets there only slowly when the spine is nearly straight.
+    """
+    spine = rest.spine
+    weight, whole = wanted.pinned[:, -1], particles
+    particles = particles[:, first:]
+    most = spine.most[first:]
+    missed = weight[:, None] * np.abs(wanted.pins[:, -1] - particles[:, -1])
+    if particles.shape[1] < 3 or missed.max() < 1e-9 * spine.size:
+        return
+    goal = particles[:, -1] + weight[:, None] * (wanted.pins[:, -1] - particles[:, -1]) - particles[:, 0]
+    distance = quat.length(goal)
+    along = np.diff(particles, axis=1)
+    lengths = np.minimum(quat.length(along), most)
+    missing, room = np.maximum(distance - lengths.sum(axis=-1), 0.0), most - lengths
+    lengths = lengths + np.minimum(missing / np.maximum(room.sum(axis=-1), TINY), 1.0)[:, None] * room
+    distance = np.minimum(distance, lengths.sum(axis=-1))
+    axis = quat.unit(goal)
+    chain = closing.close(quat.unit(along)[:, None], lengths[:, None], axis[:, None], distance[:, None])[:, 0]
+    ends = (lengths[..., None] * chain).sum(axis=1)
+    chain = rotation.apply(rotation.between(quat.unit(ends), axis)[:, None], chain)
+    whole[:, first + 1 :] = particles[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
+
+
+def _within(held: Array, moved: Array, spine: Spine, piece: int) -> Array:
+    """Return a particle moved to within the reach of a piece from another one, shape (frame, 3)."""
+    away = moved - held
+    distance = quat.length(away)
+    wanted = np.minimum(np.maximum(distance, spine.least[piece]), spine.most[piece])
+    return held + (wanted / np.maximum(distance, TINY))[:, None] * away
+
+
+def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Array:
+    """Return how the bones turn from rest, shape (frame, joint, 3, 3), after projecting the particles."""
+    _project(rest, wanted, particles)
+    _arrive(rest, wanted, particles, 0)
+    if held := rest.spine.held:  # the trunk does not leave behind what feet hold
+        particles[:, held] += _together(_held_back(rest, wanted, particles, held))
+        _arrive(rest, wanted, particles, held)
+        for node in range(1, particles.shape[1]):
+            particles[:, node] = _within(particles[:, node - 1], particles[:, node], rest.spine, node - 1)
+    spine, pieces = rest.spine, rest.spine.pieces
+    along = np.diff(particles, axis=1)
+    distance = quat.length(along)
+    axes = along / np.maximum(distance, TINY)[..., None]
+    swings = _swings(rest, wanted, particles, twists)
+    shape = _splined(rest, particles, swings, distance)
+    lean = np.sqrt(np.maximum(1.0 - (distance / spine.most) ** 2, 0.0))
+    if (lean > 0.0).any() and spine.leans.any():
+        aside = rotation.apply(np.matmul(swings[:, :-1, None], rest.piece_turns[:, :, :1]), spine.leans)
+        shape = quat.unit(shape + lean[..., None, None] * aside)
+    closed = closing.close(shape, pieces.lengths, axes, distance)
+    ends = (pieces.lengths[..., None] * closed).sum(axis=-2)
+    closed = rotation.apply(rotation.between(quat.unit(ends), axes)[:, :, None], closed)
+    turns = _carried(rest, swings, closed)
+    if rest.is_turned:
+        turns = np.matmul(turns, rest.piece_turns)
+    piece, place = spine.bone_of
+    return turns[:, piece, place]
+
+
+def _swings(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Array:
+    """Return how branch points turn from the root-relative rest pose, by the smallest rotation of tangents.
+
+    Shape (frame, node, 3, 3). The root is known; a body with a turn of its own is not turned away from it.
+    """
+    posed = tangents(particles, rest.constraints[:, 0])
+    out = rotation.between(rest.tangents, posed)
+    if twists.any():
+        out = np.matmul(quat.to_matrix(quat.from_axis_angle(posed, twists)), out)
+    out[:, 0] = np.eye(3)
+    if (wanted.held == 1.0).all():
+        out[:, -1] = np.eye(3)
+    elif wanted.held.any():
+        left = (1.0 - wanted.held)[:, None] * quat.to_rotation_vector(quat.from_matrix(out[:, -1]))
+        out[:, -1] = quat.to_matrix(quat.from_rotation_vector(left))
+    return out
+
+
+def _splined(rest: Rest, particles: Array, swings: Array, distance: Array) -> Array:
+    """Return the directions of bones along splines, shape (frame, piece, bone, 3)."""
+    splines = rest.spine.splines
+    before, after = swings[:, :-1, None], swings[:, 1:, None]
+    ratio = (distance / np.maximum(rest.chords, TINY))[..., None, None]
+    posed = np.empty((*distance.shape, 6, 3))
+    posed[:, :, 0], posed[:, :, 1] = particles[:, :-1], particles[:, 1:]
+    posed[:, :, 2::2] = ratio * rotation.apply(before, rest.splined[:, :, 2::2])
+    posed[:, :, 3::2] = ratio * rotation.apply(after, rest.splined[:, :, 3::2])
+    places = np.matmul(splines.places, posed)
+    if rest.strays:
+        # What the splines do not meet turns with the nearer end, more and more with the farther one.
+        parameters = splines.parameters[..., None]
+        near, far = rotation.apply(before, rest.offsets), rotation.apply(after, rest.offsets)
+        places += near + parameters * (far - near)
+    bones = np.diff(places, axis=2)
+    size = quat.length(bones)[..., None]
+    return np.where(size > TINY, bones / np.maximum(size, TINY), rest.spine.pieces.directions)
+
+
+def _carried(rest: Rest, swings: Array, directions: Array) -> Array:
+    """Return how bones turn from the rest pose that a frame carries along them, shape (frame, piece, bone, 3, 3).
+
+    It is carried by the smallest rotations from bone to bone, at rest and posed. What is left to the turn of the branch
+    point at the end is a twist, and the bones share it.
+    """
+    directions = rest.spine.unpadded(directions)
+    first = np.broadcast_to(rest.directions[:, :, 0], directions[:, :, 0].shape)
+    moving = transported(first, directions)
+    out = np.matmul(moving, rest.back)
+    left = np.matmul(swings[:, 1:], rotation.transposed(out[:, :, -1]))
+    axis = np.stack([left[..., i, j] - left[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
+    along = quat.dot(axis, directions[:, :, -1])
+    trace = left[..., 0, 0] + left[..., 1, 1] + left[..., 2, 2]
+    twist = 2.0 * np.arctan2(along, 1.0 + trace)
+    if not (np.abs(twist) > 1e-9).any():
+        return out
+    share = rest.spine.splines.parameters[:, 1:] * twist[..., None]
+    return np.matmul(quat.to_matrix(quat.from_axis_angle(directions, share)), out)
+
+
+def _angles(a: Array, b: Array) -> Array:
+    """Return the angles between vectors [rad]."""
+    return np.arctan2(quat.length(quat.cross(a, b)), quat.dot(a, b))

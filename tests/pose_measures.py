@@ -1,0 +1,94 @@
+"""How well poses meet goals, how smoothly joints turn, and mirror images: what is measured of the pose step."""
+
+import numpy as np
+
+from morph_retarget.core import quat
+from morph_retarget.core.arrays import Array, Indices
+from morph_retarget.core.solve import posing
+from morph_retarget.core.solve.goals import Goals
+from morph_retarget.core.solve.posing import BodyPose
+from tests.goal_sets import HUMAN, Subject, goals_of, placed
+
+MEET = 1e-3
+"""A goal is met by a body of a human that comes as near as this [m]."""
+
+
+def solved(subject: Subject, goals: Goals) -> BodyPose:
+    """Return the pose that the pose step finds for all goals of a character."""
+    return posing.solve(subject.plan, goals)
+
+
+def rebuilt(subject: Subject, pose: BodyPose) -> Array:
+    """Return where bodies are when only their turns and the place of the root are believed, shape (frame, body, 3)."""
+    return placed(subject, pose.turns, pose.positions[:, subject.root])
+
+
+def misses(subject: Subject, goals: Goals, places: Array) -> Array:
+    """Return how far bodies are from their goals as if they were a human's [m], shape (frame, goal)."""
+    return quat.length(places[:, goals.bodies] - goals.positions) / subject.scale
+
+
+def length_errors(subject: Subject, places: Array) -> Array:
+    """Return by how much bones are longer or shorter than at rest over their length, shape (frame, bone).
+
+    Bones that are shorter than a thousandth of the character count as long as that. What the root hangs on is no bone.
+    """
+    bodies = subject.bodies
+    bones = np.array([b for b in range(len(bodies)) if bodies.parents[b] >= 0 and b != subject.root], dtype=np.intp)
+    above = bodies.parents[bones]
+    rest = quat.length(bodies.positions[bones] - bodies.positions[above])
+    error = np.abs(quat.length(places[:, bones] - places[:, above]) - rest)
+    return error / np.maximum(rest, 1e-3 * HUMAN * subject.scale)
+
+
+def step_turns(turns: Array) -> Array:
+    """Return the most that any body turns from each frame to the next [rad], shape (frame - 1,)."""
+    return quat.angle_between(turns[1:], turns[:-1]).max(axis=1, initial=0.0)
+
+
+def goal_motion(subject: Subject, goals: Goals) -> Array:
+    """Return how far goals go from each frame to the next, shape (frame - 1,).
+
+    The most of any goal, of what it moves over the character's size and what it turns [rad].
+    """
+    moved = quat.length(np.diff(goals.positions, axis=0)) / (HUMAN * subject.scale)
+    return np.maximum(moved, quat.angle_between(goals.turns[1:], goals.turns[:-1])).max(axis=1)
+
+
+# --- symmetry ---
+
+MIRROR: Array = np.array([-1.0, 1.0, 1.0])
+"""Takes a point to its mirror image."""
+MIRROR_TURN: Array = np.array([1.0, 1.0, -1.0, -1.0])
+"""Takes a rotation to its mirror image."""
+
+
+def partners(subject: Subject, tolerance: float = 1e-6) -> Indices | None:
+    """Return each body's mirror image, itself in the middle, shape (body,); None when the character is lopsided.
+
+    Args:
+        subject: The character.
+        tolerance: By how much places may differ, as a share of the character's size.
+    """
+    bodies = subject.bodies
+    out = np.full(len(bodies), -1, dtype=np.intp)
+    for level in bodies.tree.levels:
+        for body in level:
+            parent = int(bodies.parents[body])
+            above = int(out[parent]) if parent >= 0 else -1
+            apart = quat.length(bodies.positions[level] - bodies.positions[body] * MIRROR)
+            fits = apart <= tolerance * bodies.size
+            fits &= (bodies.parents[level] == above) & ~np.isin(level, out)
+            fits &= np.array([bodies.capabilities[b] == bodies.capabilities[body] for b in level])
+            if not fits.any():
+                return None
+            # Where several bodies lie in one place, one in the middle is its own image.
+            out[body] = body if fits[level == body].all() else level[fits][0]
+    return out
+
+
+def mirrored(goals: Goals, partner: Indices) -> Goals:
+    """Return the mirror images of goals."""
+    place = {int(body): i for i, body in enumerate(goals.bodies)}
+    order = [place[int(partner[body])] for body in goals.bodies]
+    return goals_of(goals.bodies, goals.positions[:, order] * MIRROR, goals.turns[:, order] * MIRROR_TURN)
