@@ -17,7 +17,8 @@ from .. import quat, rotation
 from ..arrays import Array
 from . import limb_phase, spine_phase
 from .goals import Goals
-from .plan import NONE, Plan, Trunk, Wave, prepare
+from .plan import NONE, Plan, Trunk, Wave
+from .planning import prepare
 from .spine import Rest
 
 __all__ = ["NONE", "BodyPose", "Plan", "prepare", "solve"]

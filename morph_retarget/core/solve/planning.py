@@ -1,0 +1,295 @@
+"""Finding which joints each goal moves.
+
+The trunk (spine, neck and head) is the business of the spine phase; all else that leads from the trunk to a goal is a
+limb, solved after it, those that hang on other limbs last. A sub-tree without goals is carried along.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from ..arrays import Array
+from ..character.character import Character
+from ..character.morphology import Capability, LimbKind
+from .limb_phase import Limbs
+from .plan import NONE, Limb, Pin, Plan, Trunk, Wave
+from .settings import DEFAULT, SolverSettings
+from .spine import Pull, Spine
+
+
+def prepare(
+    character: Character,
+    rest: Array,
+    root: int,
+    wanted: Sequence[tuple[int, bool, bool]],
+    settings: SolverSettings = DEFAULT,
+) -> Plan:
+    """Return how goals for some bodies are met.
+
+    Args:
+        character: What the rig is.
+        rest: Rest positions of all bodies [m], character frame, shape (body, 3).
+        root: The body that carries all others.
+        wanted: For each goal its body, and whether it has a place and a rotation.
+        settings: Of the solver.
+    """
+    tree = character.skeleton.tree
+    return _Planning(character, rest, root, wanted, settings).plan(tree.order)
+
+
+class _Planning:
+    def __init__(
+        self,
+        character: Character,
+        rest: Array,
+        root: int,
+        wanted: Sequence[tuple[int, bool, bool]],
+        settings: SolverSettings,
+    ) -> None:
+        self.character, self.rest, self.root, self.settings = character, rest, root, settings
+        self.ancestors = character.skeleton.tree.ancestors
+        self.turned = {body: i for i, (body, _, rotation) in enumerate(wanted) if rotation}
+        places = [(i, body) for i, (body, position, _) in enumerate(wanted) if position and body != root]
+        self.places = sorted(places, key=lambda goal: (len(self.ancestors[goal[1]]), goal[1]))
+        self.posed = {body for _, body in self.places}
+        self.line = self._line()
+        self.limbs: list[Limb] = []
+        self.tips: list[tuple[int, int, int]] = []
+        """Goals of the line: the goal, its body, and the body of the line that has it or that it is delegated to."""
+        self.unreachable: list[int] = []
+
+    def _way(self) -> tuple[int, ...]:
+        """Return the bodies of the trunk from the root to the head, or to where the spine ends."""
+        own = self.character
+        trunk = [b for b in (*own.spine, *own.neck, *([] if own.head is None else [own.head])) if self._is_carried(b)]
+        if not trunk:
+            return ()
+        last = own.head if own.head in trunk else max(trunk, key=lambda b: len(self.ancestors[b]))
+        above = self.ancestors[last]
+        return (*reversed(above[: above.index(self.root)]), last)
+
+    def _line(self) -> tuple[int, ...]:
+        """Return the bodies of the trunk that can turn: where legs stand that nobody poses, it stands with them."""
+        way = self._way()
+        for i in range(len(way) - 1, -1, -1):
+            if any(self._stands_on(limb.bones, way[i]) for limb in self.character.legs):
+                way = way[i + 1 :]
+                break
+        if len(way) < 3:
+            return way
+        # A bone that leads back (rigs have them to hang things on) only carries the next one.
+        ahead = self.rest[way[-1]] - self.rest[way[0]]
+        return tuple(b for b, after in pairwise(way) if (self.rest[after] - self.rest[b]) @ ahead > 0.0) + way[-1:]
+
+    def _is_carried(self, body: int) -> bool:
+        return self.root in self.ancestors[body]
+
+    def _stands_on(self, bones: Sequence[int], body: int) -> bool:
+        """Return whether a leg without goals hangs on a body."""
+        carrier = next((a for a in self.ancestors[bones[0]] if a in self._trunk), NONE)
+        return carrier == body and not any(bone in self.posed for bone in bones)
+
+    @cached_property
+    def _trunk(self) -> set[int]:
+        return {self.root, *self._way()}
+
+    def plan(self, outward: Iterable[int]) -> Plan:
+        """Return the plan."""
+        taken: set[int] = set()
+        for goal, body in self.places:
+            if body in self.line:
+                self.tips.append((goal, body, body))
+                continue
+            joints = self._joints(body, taken)
+            if joints and not self._is_delegated(body, joints):
+                self.limbs.append(Limb(goal, body, joints))
+                taken.update(joints)
+                continue
+            carrier = next((a for a in self.ancestors[body] if a in self.line), None)
+            if carrier is None or self._on_limb(body) or any(own == carrier for _, _, own in self.tips):
+                self.unreachable.append(body)
+                continue
+            self.tips.append((goal, body, carrier))
+            if body in self.turned:
+                self.turned.setdefault(carrier, self.turned[body])
+        trunk = self._trunk_plan()
+        joints_ = {j for limb in self.limbs for j in limb.joints} | set(trunk.joints if trunk else ())
+        level = {limb.body: limb.goal for limb in self.limbs if self._is_foot(limb.body)}
+        driven = {self.root, *self.turned, *level, *joints_, *(limb.body for limb in self.limbs)}
+        loose = _loose(self.character)
+        moving = driven | set(self.character.skeleton.tree.roots) | loose
+        order = tuple(outward)
+        leaders = np.empty(len(self.rest), dtype=np.intp)
+        for body in order:
+            leaders[body] = body if body in moving else leaders[self.character.skeleton.parents[body]]
+        return Plan(
+            self.character.skeleton.parents,
+            self.rest,
+            self.root,
+            trunk,
+            tuple(self._waves()),
+            self.turned,
+            level,
+            leaders,
+            tuple(b for b in order if b in moving),
+            tuple(b for b in order if b in driven or b in loose),
+            tuple(self.unreachable),
+            self.settings,
+        )
+
+    def _joints(self, body: int, taken: set[int]) -> tuple[int, ...]:
+        """Return the joints of the limb that brings a body to a place, from the trunk outward."""
+        # What carries the root carries the whole body: feet that hang on it (IK bones) have no limb that could reach.
+        stops = taken | self._trunk | {*self.ancestors[self.root]}
+        out: list[int] = []
+        for bone in self.ancestors[body]:
+            if bone in stops:
+                break
+            out.append(bone)
+        return self._hinged(tuple(reversed(out)))
+
+    def _hinged(self, path: tuple[int, ...]) -> tuple[int, ...]:
+        """Return the joints of a limb that bend: not girdles, and of humanoid limbs not what only twists."""
+        for upper, lower, end in self._humanoid_limbs:
+            if upper in path and lower in path:
+                there = path.index(end) if end in path else len(path)
+                return (upper, lower, *path[there:])
+        shoulders = {self.character.bone("leftShoulder"), self.character.bone("rightShoulder")}
+        return path[1:] if len(path) > 2 and path[0] in shoulders else path
+
+    @cached_property
+    def _humanoid_limbs(self) -> list[tuple[int, ...]]:
+        """Upper and lower bone and end of the arms and legs of a humanoid; between these are bones that twist."""
+        if not self.character.humanoid:
+            return []
+        parts = (("UpperArm", "LowerArm", "Hand"), ("UpperLeg", "LowerLeg", "Foot"))
+        found = [[self.character.bone(side + part) for part in row] for side in ("left", "right") for row in parts]
+        return [tuple(bone for bone in row if bone is not None) for row in found if None not in row]
+
+    def _is_delegated(self, body: int, joints: tuple[int, ...]) -> bool:
+        """Return whether a body of the spine, such as a mouth, gives its goal to what carries it (§4.3.1)."""
+        return not self._on_limb(body) and any(a in self.line for a in self.ancestors[joints[0]][:1])
+
+    def _on_limb(self, body: int) -> bool:
+        own = self.character
+        tails = {b for tail in own.tails for b in tail}
+        return body in tails or any(body in limb.bones or body in limb.digits for limb in own.limbs)
+
+    def _is_foot(self, body: int) -> bool:
+        return Capability.FOOT in self.character.capabilities.get(self.character.skeleton.names[body], ())
+
+    def _trunk_plan(self) -> Trunk | None:
+        line, rest = self.line, self.rest
+        if not line:
+            return None
+        where = {body: i for i, body in enumerate(line)}
+        hung = [(limb, where[carrier]) for limb in self.limbs if (carrier := self._carrier(limb)) in where]
+        # Feet hold a trunk that a head or mouth bends; what it carries else may be left behind.
+        pulled = [
+            (limb, joint)
+            for limb, joint in hung
+            if self.settings.limbs_bend_spine or (self.tips and self._is_foot(limb.body))
+        ]
+        tip = [body for _, body, own in self.tips if own == line[-1] and own != body and body not in self.turned]
+        beyond = tip or [limb.joints[0] for limb, joint in pulled if joint == len(line) - 1]
+        points = [rest[body] for body in line]
+        if beyond:
+            points.append(np.mean(rest[beyond], axis=0))
+        pins = [Pin(self._point(own, body, tip, where), goal, body, own) for goal, body, own in self.tips]
+        spots = [self._nearest(rest[limb.joints[0]], joint, points) for limb, joint in pulled]
+        nodes = (0, *sorted({n for n in (*spots, *(pin.node for pin in pins)) if n > 0}))
+        if len(nodes) < 2:
+            return None
+        points = points[: nodes[-1] + 1]
+        place = {point: i for i, point in enumerate(nodes)}
+        pulls = [
+            Pull(
+                place[spot],
+                joint,
+                rest[limb.joints[0]] - rest[line[joint]],
+                float(np.linalg.norm(rest[limb.body] - rest[limb.joints[0]])),
+                *self._lengths(limb),
+                self._is_foot(limb.body),
+            )
+            for (limb, joint), spot in zip(pulled, spots, strict=True)
+            if spot > 0 and joint < len(points) - 1
+        ]
+        return Trunk(
+            Spine(np.array(points), nodes, tuple(pulls), self.settings),
+            line[: len(points) - 1],
+            tuple(
+                replace(pin, node=place[pin.node], offset=rest[pin.owner] - points[pin.node])
+                for pin in pins
+                if pin.node > 0
+            ),
+            tuple(
+                limb.goal
+                for (limb, joint), spot in zip(pulled, spots, strict=True)
+                if spot > 0 and joint < len(points) - 1
+            ),
+            line[nodes[-1]] if nodes[-1] < len(line) else NONE,
+        )
+
+    def _point(self, own: int, body: int, tip: Sequence[int], where: Mapping[int, int]) -> int:
+        """Return the point of the line that is brought to a goal: a tip, or the joint of the body that has the goal."""
+        return len(self.line) if body in tip else where[own]
+
+    def _nearest(self, start: Array, joint: int, points: Sequence[Array]) -> int:
+        """Return the point that a limb pulls: the nearer end of the bone that carries it."""
+        ends = [p for p in (joint, joint + 1) if 0 < p < len(points)]
+        return min(ends, key=lambda p: float(np.linalg.norm(points[p] - start)), default=0)
+
+    def _carrier(self, limb: Limb) -> int:
+        """Return the body of the line that carries a limb, NONE when none does."""
+        return next((a for a in self.ancestors[limb.joints[0]] if a in self._trunk or a in self._joints_of_limbs), NONE)
+
+    @cached_property
+    def _joints_of_limbs(self) -> set[int]:
+        return {j for limb in self.limbs for j in limb.joints} | {limb.body for limb in self.limbs}
+
+    def _lengths(self, limb: Limb) -> tuple[float, float]:
+        """Return the length of a limb when it is stretched, and when it is folded up [m]."""
+        bones = np.linalg.norm(np.diff(self.rest[[*limb.joints, limb.body]], axis=0), axis=-1)
+        full = float(bones.sum())
+        return full, max(2.0 * float(bones.max()) - full, 0.0)
+
+    def _waves(self) -> Iterable[Wave]:
+        """Yield the limbs in the order in which they are solved: those that hang on others after these."""
+        left, done = list(self.limbs), set[int]()
+        while left:
+            blocked = {b for limb in left for b in (*limb.joints, limb.body)}
+            ready = [limb for limb in left if not any(a in blocked for a in self.ancestors[limb.joints[0]])]
+            chains = Limbs.of(
+                [self.rest[[*limb.joints, limb.body]] for limb in ready],
+                [self._hint(limb.body) for limb in ready],
+                self.settings,
+            )
+            yield Wave(tuple(ready), chains, np.array([limb.goal for limb in ready], dtype=np.intp))
+            done.update(limb.goal for limb in ready)
+            left = [limb for limb in left if limb.goal not in done]
+
+    def _hint(self, body: int) -> Array:
+        """Return where the middle of a straight limb moves when it bends."""
+        for limb in self.character.limbs:
+            if body in limb.bones or body in limb.digits:
+                return _HINTS[limb.kind]
+        return np.array([0.0, 1.0, 0.3])
+
+
+_HINTS = {
+    LimbKind.LEG: np.array([0.0, -1.0, 0.2]),
+    LimbKind.ARM: np.array([0.0, 1.0, -0.3]),
+    LimbKind.WING: np.array([0.0, 1.0, 0.3]),
+    LimbKind.FIN: np.array([0.0, 1.0, 0.0]),
+    LimbKind.TENTACLE: np.array([0.0, 0.0, 1.0]),
+}
+"""Knees bend forward, elbows back, the rest up."""
+
+
+def _loose(character: Character) -> set[int]:
+    """Return the bones that do not take over their parents' rotation, and so must be turned to be carried along."""
+    inherits = character.skeleton.inherits
+    return set() if inherits is None else {int(bone) for bone in np.flatnonzero(~inherits)}
