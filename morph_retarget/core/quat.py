@@ -241,7 +241,7 @@ def _products() -> Array:
     return out.reshape(9, 16)
 
 
-_PRODUCTS = _products()
+_PRODUCTS, _FOUR = _products(), np.eye(4)
 
 
 def from_matrix(m: Array) -> Array:
@@ -250,6 +250,6 @@ def from_matrix(m: Array) -> Array:
     Each row of the products 4 q_i q_j is a multiple of the quaternion; the one with the largest divisor is used, so it
     is exact for every angle.
     """
-    products = (m.reshape(*m.shape[:-2], 9) @ _PRODUCTS).reshape(*m.shape[:-2], 4, 4) + np.eye(4)
+    products = (m.reshape(*m.shape[:-2], 9) @ _PRODUCTS).reshape(*m.shape[:-2], 4, 4) + _FOUR
     best = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
     return normalize(np.take_along_axis(products, best[..., None, None], axis=-2)[..., 0, :])

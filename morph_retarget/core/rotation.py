@@ -8,7 +8,8 @@ import numpy as np
 from . import quat
 from .arrays import Array
 
-_IDENTITY = np.eye(3)
+IDENTITY: Array = np.eye(3)
+IDENTITY.flags.writeable = False
 _OPPOSITE = 1e-12
 _LEVI_CIVITA: Array = np.cross(np.eye(3)[:, None], np.eye(3)[None]).transpose(2, 0, 1)
 
@@ -33,9 +34,8 @@ def half_turn(axes: Array) -> Array:
 
     The smallest rotation from unit vector a to unit vector b is half a turn about a and then one about a + b.
     """
-    return (2.0 / np.maximum(quat.dot(axes, axes), 1e-300))[..., None, None] * axes[..., :, None] * axes[
-        ..., None, :
-    ] - _IDENTITY
+    share = 2.0 / np.maximum(quat.dot(axes, axes), 1e-300)
+    return share[..., None, None] * (axes[..., :, None] * axes[..., None, :]) - IDENTITY
 
 
 def between(a: Array, b: Array) -> Array:

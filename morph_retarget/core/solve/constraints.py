@@ -18,8 +18,8 @@ def softened(error: Array, width: Array | float) -> Array:
         error: [m], any shape.
         width: Errors smaller than this are corrected less and less [m], positive.
     """
-    inside = np.minimum(np.abs(error), width)
-    return np.sign(error) * (np.abs(error) - inside + inside * inside / (2.0 * width))
+    inside = np.minimum(np.maximum(error, -width), width)
+    return error - inside + inside * np.abs(inside) / (2.0 * width)
 
 
 def beyond(distance: Array, start: Array, full: Array, least: Array) -> Array:

@@ -24,6 +24,9 @@ from .spine import Rest
 __all__ = ["NONE", "BodyPose", "Plan", "prepare", "solve"]
 
 
+_STILL = rotation.IDENTITY[None]
+
+
 @dataclass(frozen=True, eq=False)
 class BodyPose:
     """A character's pose over a clip, character frame."""
@@ -90,7 +93,7 @@ class _State:
             influence = goals.position_influence[:, rows[0], None]
             self.shift = influence * (goals.positions[:, rows[0]] - plan.rest[plan.root])
         # The body does not follow what happens to carry its root: a snake's head may.
-        self._rotations[plan.root] = self._turned(plan.root, np.eye(3)[None])
+        self._rotations[plan.root] = self._turned(plan.root, _STILL)
 
     def bend(self, trunk: Trunk) -> None:
         """Pose the spine."""
@@ -158,7 +161,7 @@ class _State:
         """Return the rotation of a body: as it is wanted, as far as it is, else as it is carried."""
         plan = self.plan
         if body in plan.level:
-            carried = _toward(carried, np.eye(3)[None], self.goals.position_influence[:, plan.level[body]])
+            carried = _toward(carried, _STILL, self.goals.position_influence[:, plan.level[body]])
         if body not in plan.turned:
             return carried
         goal = plan.turned[body]
@@ -177,7 +180,7 @@ class _State:
     def rotation(self, leader: int) -> Array:
         """Return how a leader is turned, shape (frame or 1, 3, 3)."""
         if leader == NONE:
-            return np.eye(3)[None]
+            return _STILL
         if leader not in self._rotations:
             self._rotations[leader] = self._turned(leader, self.rotation(self.plan.above[leader]))
         return self._rotations[leader]

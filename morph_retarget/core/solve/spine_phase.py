@@ -281,9 +281,9 @@ def _swings(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Arra
     out = rotation.between(rest.tangents, posed)
     if twists.any():
         out = np.matmul(quat.to_matrix(quat.from_axis_angle(posed, twists)), out)
-    out[:, 0] = np.eye(3)
+    out[:, 0] = rotation.IDENTITY
     if (wanted.held == 1.0).all():
-        out[:, -1] = np.eye(3)
+        out[:, -1] = rotation.IDENTITY
     elif wanted.held.any():
         left = (1.0 - wanted.held)[:, None] * quat.to_rotation_vector(quat.from_matrix(out[:, -1]))
         out[:, -1] = quat.to_matrix(quat.from_rotation_vector(left))
