@@ -42,7 +42,7 @@ WRIST = np.radians(40.0)
 LEAN, WANDER = np.radians(40.0), 0.15
 """Most that the root turns [rad] and moves along each axis, as a share of the character's size."""
 
-SETTINGS = SolverSettings(limbs_bend_spine=True)
+SETTINGS = SolverSettings(bends_spine=True)
 """All that the solver can do for a goal."""
 
 _SIDES = {LimbKind.LEG: np.array([0.0, -1.0, 0.2]), LimbKind.ARM: np.array([0.0, 1.0, -0.3])}

@@ -16,6 +16,7 @@ from PIL import Image
 from morph_retarget.blender import registration
 from morph_retarget.blender.io import load
 from morph_retarget.blender.io.load import Request
+from morph_retarget.blender.properties import of_rig
 
 from . import acting, acts, sheet, stage
 
@@ -67,6 +68,7 @@ def draw(
             act = acting.fitting(acts.ACTS, movement, ob)
             if act is None:
                 continue
+            of_rig(ob).bends_spine = True
             if act.name not in made:
                 made[act.name] = acting.write(act)
             acting.play(ob, made[act.name], act, stage.fruit(ob))

@@ -363,7 +363,7 @@ def test_limbs_bend_the_spine_of_the_character_that_lets_them() -> None:
     for i in range(2):
         act.values(i).target = target
     act.key(1, position=(1.0, 0.0, 0.0))
-    of_rig(obs[0]).limbs_bend_spine = True
+    of_rig(obs[0]).bends_spine = True
     bpy.context.scene.frame_set(2)
     bones = ["Chest", "Hand.L"]
     leant, upright = (scenes.evaluated(ob, bones, [2])[0] for ob in obs)
@@ -372,6 +372,6 @@ def test_limbs_bend_the_spine_of_the_character_that_lets_them() -> None:
     assert np.abs(leant[0] - rest[0]).max() > 0.05
     away = [np.linalg.norm(pose[1][:3, 3] - np.array(target.location)) for pose in (leant, upright)]
     assert away[0] < 0.8 * away[1]
-    of_rig(obs[0]).limbs_bend_spine = False
+    of_rig(obs[0]).bends_spine = False
     bpy.context.view_layer.update()
     assert np.abs(scenes.evaluated(obs[0], bones, [2])[0] - upright).max() < 1e-5

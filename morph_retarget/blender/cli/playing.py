@@ -63,7 +63,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "--bend-spine",
         action=argparse.BooleanOptionalAction,
         default=None,
-        help="bend the spine for limbs that cannot reach otherwise (default: as the character's file says, else no)",
+        help="bend the spine so that heads, hands and feet come to their goals (default: as the character's file says, "
+        "else no)",
     )
     parser.add_argument(
         "--jiggles",
@@ -183,7 +184,7 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
     for ob in out:
         jiggles.welcome(ob)
         if arguments.bend_spine is not None:
-            of_rig(ob).limbs_bend_spine = arguments.bend_spine
+            of_rig(ob).bends_spine = arguments.bend_spine
         if arguments.jiggles is not None:
             of_rig(ob).jiggles.enabled = arguments.jiggles
         cast.add(ob, action)

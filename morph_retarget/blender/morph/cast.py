@@ -140,7 +140,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     action = action or action_of(ob)
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
-    solver = replace(DEFAULT, limbs_bend_spine=own.limbs_bend_spine)
+    solver = replace(DEFAULT, bends_spine=own.bends_spine)
     state = (action.session_uid, len(of_action(action).channels), own.variant, solver)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:

@@ -110,10 +110,10 @@ class Performer:
         override=_OVERRIDABLE,
         update=tell_character,
     )
-    limbs_bend_spine: BoolProperty(
-        name="Limbs Bend Spine",
-        description="Bend and twist the spine for hands and feet that cannot reach their goals otherwise. Heads and "
-        "mouths always bend it. Takes longer while keys are edited",
+    bends_spine: BoolProperty(
+        name="Bend Spine",
+        description="Bend and twist the spine so that heads, mouths, hands and feet come to their goals: more "
+        "natural poses and more that can be reached. Takes longer while keys are edited",
         override=_OVERRIDABLE,
         update=tell_character,
     )

@@ -179,7 +179,7 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
             if ob == active:
-                box.prop(of_rig(ob), "limbs_bend_spine")
+                box.prop(of_rig(ob), "bends_spine")
             told = cast.tell(ob) if query.is_ready(ob) else []
             if ob != active and told:
                 row.label(text="", icon="ERROR")

@@ -88,9 +88,9 @@ class _Planning:
         return self.root in self.ancestors[body]
 
     def _stands_on(self, bones: Sequence[int], body: int) -> bool:
-        """Return whether a leg without goals hangs on a body."""
+        """Return whether a leg hangs on a body that does not follow it."""
         carrier = next((a for a in self.ancestors[bones[0]] if a in self._trunk), NONE)
-        return carrier == body and not any(bone in self.posed for bone in bones)
+        return carrier == body and not (self.settings.bends_spine and any(bone in self.posed for bone in bones))
 
     @cached_property
     def _trunk(self) -> set[int]:
@@ -100,7 +100,11 @@ class _Planning:
         """Return the plan."""
         taken: set[int] = set()
         for goal, body in self.places:
-            if body in self.line:
+            if not self.settings.bends_spine and (chain := self._as_limb(body, taken)):
+                self.limbs.append(Limb(goal, body, chain))
+                taken.update(chain)
+                continue
+            if body in self.line and self.settings.bends_spine:
                 self.tips.append((goal, body, body))
                 continue
             joints = self._joints(body, taken)
@@ -109,7 +113,12 @@ class _Planning:
                 taken.update(joints)
                 continue
             carrier = next((a for a in self.ancestors[body] if a in self.line), None)
-            if carrier is None or self._on_limb(body) or any(own == carrier for _, _, own in self.tips):
+            if (
+                not self.settings.bends_spine
+                or carrier is None
+                or self._on_limb(body)
+                or any(own == carrier for _, _, own in self.tips)
+            ):
                 self.unreachable.append(body)
                 continue
             self.tips.append((goal, body, carrier))
@@ -169,6 +178,19 @@ class _Planning:
         found = [[self.character.bone(side + part) for part in row] for side in ("left", "right") for row in parts]
         return [tuple(bone for bone in row if bone is not None) for row in found if None not in row]
 
+    def _as_limb(self, body: int, taken: set[int]) -> tuple[int, ...]:
+        """Return the joints of the trunk that bring a body of it, or a mouth, to a place as those of a limb do."""
+        if self._on_limb(body) or not (body in self.line or any(a in self.line for a in self.ancestors[body])):
+            return ()
+        # What has a turn of its own keeps it: the rest of the trunk has to do.
+        stops = {*taken, *self.posed, *self.turned, *(self._trunk - {*self.line})}
+        joints: list[int] = []
+        for bone in self.ancestors[body]:
+            if bone in stops:
+                break
+            joints.append(bone)
+        return tuple(reversed(joints))
+
     def _is_delegated(self, body: int, joints: tuple[int, ...]) -> bool:
         """Return whether a body of the spine, such as a mouth, gives its goal to what carries it (§4.3.1)."""
         return not self._on_limb(body) and any(a in self.line for a in self.ancestors[joints[0]][:1])
@@ -183,16 +205,10 @@ class _Planning:
 
     def _trunk_plan(self) -> Trunk | None:
         line, rest = self.line, self.rest
-        if not line:
+        if not line or not self.settings.bends_spine:
             return None
         where = {body: i for i, body in enumerate(line)}
-        hung = [(limb, where[carrier]) for limb in self.limbs if (carrier := self._carrier(limb)) in where]
-        # Feet hold a trunk that a head or mouth bends; what it carries else may be left behind.
-        pulled = [
-            (limb, joint)
-            for limb, joint in hung
-            if self.settings.limbs_bend_spine or (self.tips and self._is_foot(limb.body))
-        ]
+        pulled = [(limb, where[carrier]) for limb in self.limbs if (carrier := self._carrier(limb)) in where]
         tip = [body for _, body, own in self.tips if own == line[-1] and own != body and body not in self.turned]
         beyond = tip or [limb.joints[0] for limb, joint in pulled if joint == len(line) - 1]
         points = [rest[body] for body in line]

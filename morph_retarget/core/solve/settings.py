@@ -7,9 +7,9 @@ from dataclasses import dataclass
 class SolverSettings:
     """Parameters of the solver; lengths are shares of a constraint's own rest length, so that size does not matter."""
 
-    limbs_bend_spine: bool = False
-    """Whether limbs pull at the spine when they cannot reach their goals otherwise. Heads and mouths always do, and
-    feet hold on to a spine that these bend."""
+    bends_spine: bool = False
+    """Whether heads, mouths and limbs bend the spine in its own phase. Without, heads and mouths are brought to their
+    goals as the ends of limbs are, and other limbs have to do with their own joints: a third of the time."""
     outer_iterations: int = 5
     """How often all constraints are enforced, from the leaves inward (§4.3.2)."""
     softness: float = 0.1
