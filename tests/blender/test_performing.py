@@ -355,7 +355,7 @@ def test_a_muted_character_is_a_target_as_it_stands() -> None:
 # --- the solver's settings ---
 
 
-def test_limbs_bend_the_spine_of_the_character_that_lets_them() -> None:
+def test_hands_bend_the_spine_of_the_character_that_lets_them() -> None:
     """A hand that cannot reach its target comes nearer to it; the other character's spine stays where it is."""
     obs = [acts.creature("biped"), acts.creature("biped")]
     act = acts.act(obs, REACH)
