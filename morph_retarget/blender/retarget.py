@@ -300,6 +300,16 @@ def _warnings(source: Source, target: Rig, character: Character, plan: Plan) -> 
     return tuple(out)
 
 
+def within(low: float, high: float, steps: Generator[float, None, _T]) -> Generator[float, None, _T]:
+    """Run steps as a part of others, from one share done to another, and return what they return."""
+    while True:
+        try:
+            share = next(steps)
+        except StopIteration as end:
+            return end.value
+        yield low + share * (high - low)
+
+
 def run(steps: Generator[float, None, _T]) -> _T:
     """Run a stepped function to its end and return what it returns."""
     while True:

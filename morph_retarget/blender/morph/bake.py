@@ -7,11 +7,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core import play
+from ...core import long_clip
 from ...core.errors import MotionError
 from ...core.morph import measure
 from ...core.play import Played
-from .. import actions, channels, keying
+from .. import actions, channels, keying, retarget
 from . import cast, clip, deform_keys, events, jiggles, pose
 from .cast import Member
 from .clip import Clip
@@ -99,9 +99,10 @@ def take(ob: bpy.types.Object, scene: bpy.types.Scene, options: Options) -> Gene
     first, last = options.frames or clip.range_of(ob, action)
     frames = first + np.arange(int((last - first) / options.rate + 1e-6) + 1.0)
     bound = time.perf_counter()
-    found = yield from clip.clip_of(member, ob, scene, frames, options.rate)
+    found = yield from retarget.within(0.0, 0.5, clip.clip_of(member, ob, scene, frames, options.rate))
     sampled = time.perf_counter()
-    played = play.evaluate(member.part, found.values, found.targets)
+    yield 0.5
+    played = yield from retarget.within(0.5, 1.0, long_clip.evaluate(member.part, found.values, found.targets))
     played = jiggles.over(member, scene, played, found, options.rate)
     seconds = {"bind": bound - start, "sample": sampled - bound, "evaluate": time.perf_counter() - sampled}
     return Take(member, found, played, seconds, options.rate)
@@ -142,15 +143,8 @@ def bake(
         MorphError: See `take`.
     """
     taken: list[Take] = []
-    for ob in obs:
-        steps = take(ob, scene, options)
-        while True:
-            try:
-                share = next(steps)
-            except StopIteration as end:
-                taken.append(end.value)
-                break
-            yield (len(taken) + share) / len(obs)
+    for i, ob in enumerate(obs):
+        taken.append((yield from retarget.within(i / len(obs), (i + 1) / len(obs), take(ob, scene, options))))
     return write_all(taken, options)
 
 

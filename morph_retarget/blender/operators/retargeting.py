@@ -36,13 +36,7 @@ def steps(
     try:
         for i, (action, slot) in enumerate(clips):
             sampling = collect.source_of(source, action, slot, scene)
-            while True:
-                try:
-                    share = next(sampling)
-                except StopIteration as end:
-                    clip = end.value
-                    break
-                yield (i + share) / len(clips)
+            clip = yield from retarget.within(i / len(clips), (i + 1) / len(clips), sampling)
             given = collect.contacts_of(source, action)
             done.append(retarget.retarget(clip, own, character, options, scene, given, ground))
             yield (i + 1) / len(clips)

@@ -52,6 +52,8 @@ class Stepping:
         window = _window(context)
         window.progress_begin(0.0, 1.0)
         self._timer = window.event_timer_add(0.01, window=context.window)
+        if context.workspace is not None:
+            context.workspace.status_text_set(f"{self.doing}   Esc: Cancel")
         window.modal_handler_add(self)  # type: ignore[arg-type]  # the operator that this is part of
         return {"RUNNING_MODAL"}
 

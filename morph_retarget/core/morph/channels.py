@@ -85,3 +85,8 @@ class Values:
 
     def __len__(self) -> int:
         return len(self.positions)
+
+    def at(self, frames: slice) -> "Values":
+        """Return the values at some frames of the clip."""
+        deforms = {key: curve[frames] for key, curve in self.deforms.items()}
+        return Values(self.positions[frames], self.rotations[frames], self.weights[frames], deforms)
