@@ -14,6 +14,8 @@ from .arrays import Array
 
 IDENTITY: Array = np.array([1.0, 0.0, 0.0, 0.0])
 _TINY = 1e-12
+_VECDOT: Callable[[Array, Array], Array] | None = getattr(np, "vecdot", None)
+"""For few vectors half the time; NumPy 2 has it."""
 
 
 BLOCK = 8192
@@ -89,7 +91,7 @@ def conjugate(q: Array) -> Array:
 
 def dot(a: Array, b: Array) -> Array:
     """Return the inner product over the last axis, which is dropped."""
-    return np.einsum("...i,...i->...", a, b)
+    return _VECDOT(a, b) if _VECDOT is not None else np.einsum("...i,...i->...", a, b)
 
 
 def length(v: Array) -> Array:
@@ -241,7 +243,7 @@ def _products() -> Array:
     return out.reshape(9, 16)
 
 
-_PRODUCTS, _FOUR = _products(), np.eye(4)
+_PRODUCTS, _FOUR = _products(), np.eye(4).ravel()
 
 
 def from_matrix(m: Array) -> Array:
@@ -250,6 +252,7 @@ def from_matrix(m: Array) -> Array:
     Each row of the products 4 q_i q_j is a multiple of the quaternion; the one with the largest divisor is used, so it
     is exact for every angle.
     """
-    products = (m.reshape(*m.shape[:-2], 9) @ _PRODUCTS).reshape(*m.shape[:-2], 4, 4) + _FOUR
-    best = np.argmax(np.diagonal(products, axis1=-2, axis2=-1), axis=-1)
-    return normalize(np.take_along_axis(products, best[..., None, None], axis=-2)[..., 0, :])
+    products = m.reshape(-1, 9) @ _PRODUCTS + _FOUR
+    best = products[:, ::5].argmax(axis=-1)
+    rows = products.reshape(-1, 4, 4)[np.arange(len(best)), best]
+    return normalize(rows.reshape(*m.shape[:-2], 4))

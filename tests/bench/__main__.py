@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import core, ik, jiggle, length, live, mapping, mesh, perform, retarget, transfer
+from . import core, ik, jiggle, length, live, mapping, mesh, perform, playback, retarget, transfer
 from .figures import Figure, table
 
 BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
@@ -24,6 +24,7 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "length": length.run,
     "live": live.run,
     "perform": perform.run,
+    "playback": playback.run,
     "jiggle": jiggle.run,
     "ik": ik.run,
 }

@@ -142,14 +142,14 @@ def test_motion_blur_asks_for_frames_between_and_leaves_no_trace() -> None:
 
 def test_one_character_that_cannot_play_does_not_stop_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     act = _dance([acts.creature(name) for name in ("biped", "asura", "lopside")])
-    real = stage.targets_of
+    real = stage.told_targets
 
-    def targets_of(member: cast.Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> object:
+    def told_targets(member: cast.Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> object:
         if ob == act.obs[1]:
             raise MotionError("'Asura' is on strike: pay it")
         return real(member, ob, graph)
 
-    monkeypatch.setattr(stage, "targets_of", targets_of)
+    monkeypatch.setattr(stage, "told_targets", told_targets)
     bpy.context.scene.frame_set(15)
     assert [act.tell(i) for i in range(3)] == ["", "'Asura' is on strike: pay it", ""]
     for i in (0, 2):

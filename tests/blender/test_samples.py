@@ -168,7 +168,7 @@ def test_the_fruit_is_taken_and_then_eaten(name: str, written: dict[str, bpy.typ
     played = _played(ob, act)
     member = cast.member(ob)
     fruit = of_rig(ob).channels["Reach"].target
-    target = stage.to_character(member, ob, np.array(fruit.matrix_world.translation))
+    target = stage.to_character(member, np.array(ob.matrix_world), np.array(fruit.matrix_world.translation))
     (hand,) = {e.body for e in member.part.binding.entries if e.position and e.target >= 0}
     taken = played.pose.positions[act.events["take"] - 1, hand]
     assert np.linalg.norm(taken - target) < 0.01 * member.bodies.size
@@ -180,7 +180,8 @@ def test_who_has_no_hands_takes_the_fruit_with_the_mouth(written: dict[str, bpy.
     act = _give(ob, written, "Eat Fruit")
     played = _played(ob, act)
     member = cast.member(ob)
-    target = stage.to_character(member, ob, np.array(of_rig(ob).channels["Reach"].target.matrix_world.translation))
+    fruit = of_rig(ob).channels["Reach"].target
+    target = stage.to_character(member, np.array(ob.matrix_world), np.array(fruit.matrix_world.translation))
     jaw = _at(played, act.events["take"], member.bodies, "Jaw")
     assert np.linalg.norm(jaw - target) < NEAR * member.bodies.size
 

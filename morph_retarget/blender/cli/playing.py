@@ -67,6 +67,13 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "else no)",
     )
     parser.add_argument(
+        "--joint-limits",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="turn no bone further than its own limits for inverse kinematics allow (default: as the character's file "
+        "says, else yes)",
+    )
+    parser.add_argument(
         "--jiggles",
         action=argparse.BooleanOptionalAction,
         default=None,
@@ -185,6 +192,8 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
         jiggles.welcome(ob)
         if arguments.bend_spine is not None:
             of_rig(ob).bends_spine = arguments.bend_spine
+        if arguments.joint_limits is not None:
+            of_rig(ob).use_joint_limits = arguments.joint_limits
         if arguments.jiggles is not None:
             of_rig(ob).jiggles.enabled = arguments.jiggles
         cast.add(ob, action)
@@ -230,5 +239,5 @@ def _show(taken: Sequence[Take]) -> None:
     """Put characters in the first pose of what they play, which they show until frames change."""
     rig.scene_of().frame_set(int(taken[0].clip.frames[0]))
     for one in taken:
-        pose.show(one.member.rig, one.played)
+        pose.show(one.member.rig.object, pose.Setting.of(one.member.rig, one.played))
         deforms.show(one.member, one.played)

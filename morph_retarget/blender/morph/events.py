@@ -39,6 +39,9 @@ def markers_of(action: bpy.types.Action) -> list[tuple[str, int]]:
 
 def show_frame(scene: bpy.types.Scene) -> None:
     """Tell of the events at the frame that a scene shows now."""
+    if not callbacks:
+        _before.clear()
+        return
     happened: list[tuple[bpy.types.Object, str, int]] = []
     for ob in cast.performers(scene):
         action = cast.action_of(ob)

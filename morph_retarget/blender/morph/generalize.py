@@ -86,7 +86,7 @@ def _chain(member: Member, entry: int) -> tuple[str, ...]:
 
 def frames_now(member: Member, shown: Shown) -> Frames:
     """Return the frames in which the entries of a member move at the moment."""
-    return specialize.frames_of(member.part.binding, shown.targets, shown.played.followed)
+    return specialize.frames_of(member.part.binding, shown.targets.places, shown.played.followed)
 
 
 def generalized(member: Member, shown: Shown, entry: int, seen: bpy.types.Object) -> tuple[Array, Array]:

@@ -24,6 +24,7 @@ from ..sampling import moved_pose, seconds_per_frame
 from . import cast, clip, keys, stage, targets
 from .cast import Member
 from .clip import Clip
+from .stage import ToldTargets, ToldValues
 
 LEAST = 128
 """At least so many frames are simulated at once; twice as many whenever they do not suffice."""
@@ -122,7 +123,7 @@ def prepare(member: Member, played: Played) -> Jiggling:
 
 
 def shown(
-    member: Member, played: Played, scene: bpy.types.Scene, values: Values, places: Mapping[int, Array], anew: bool
+    member: Member, played: Played, scene: bpy.types.Scene, told: ToldValues, seen: ToldTargets, anew: bool
 ) -> Played:
     """Return the one frame that a character plays, with its jiggles.
 
@@ -130,8 +131,8 @@ def shown(
         member: How the character plays its action.
         played: The frame.
         scene: Gives the frame.
-        values: Of the channels at the frame.
-        places: Of the targets at the frame.
+        told: Values of the channels at the frame.
+        seen: Targets at the frame.
         anew: Whether the frame has changed; while something is edited, what was simulated before is good enough.
     """
     ob = member.rig.object
@@ -139,6 +140,7 @@ def shown(
     if not of_rig(ob).jiggles.enabled:
         _simulated.pop(ob.session_uid, None)
         return played
+    values, places = told.values, seen.places
     before, frame = _simulated.get(ob.session_uid), scene.frame_current_final
     if before is not None and (before.member is not member or frame - before.first > len(before.basis) - 1.0):
         before = None

@@ -6,17 +6,14 @@ other bodies and characters follow (Hecker 2008 §3.2.1).
 """
 
 import contextlib
-from collections.abc import Container, Mapping
+from collections.abc import Container
 
 import bpy
-import numpy as np
 
 from ...core import play
-from ...core.arrays import Array
 from ...core.errors import MorphError
-from ...core.morph.channels import Values
 from ..properties import of_rig
-from . import autokey, cast, deforms, generalize, jiggles, keys, pose, remap, specialized, stage
+from . import autokey, cast, deforms, generalize, jiggles, keys, pose, remap, replay, specialized, stage
 from .generalize import Held
 from .shown import Shown
 
@@ -81,11 +78,13 @@ def forget(ob: bpy.types.Object | None = None) -> None:
     if ob is None:
         _shown.clear()
         _driven.clear()
+        replay.forget()
         autokey.forget()
         jiggles.forget()
         specialized.forget()
     else:
         _shown.pop(ob.session_uid, None)
+        replay.forget(ob.session_uid)
 
 
 def release(ob: bpy.types.Object) -> None:
@@ -117,8 +116,13 @@ def character_changed(ob: bpy.types.ID) -> None:
 def _drop_edited(ob: bpy.types.Object, changed: Container[object]) -> None:
     """Forget what a rig was found to be if its bones have been edited; a new pose counts as an update as well."""
     bones = ob.data in changed
-    if (bones or ob in changed) and cast.is_edited(ob, bones):
+    if not (bones or ob in changed):
+        return
+    if cast.is_edited(ob, bones):
         cast.forget(ob, rig=True)
+        forget(ob)
+    elif cast.is_limited_anew(ob):
+        cast.forget(ob)
         forget(ob)
 
 
@@ -151,22 +155,18 @@ def _show_one(
     member = cast.member(ob)
     # While something is edited, the evaluated copy may be older than what was just written.
     source = ob if held is not None else ob.evaluated_get(graph)
-    values, targets = stage.values_of(member, source), stage.targets_of(member, ob, graph)
-    inputs = _inputs(values, targets)
+    values, targets = stage.told_values(member, source), stage.told_targets(member, ob, graph)
+    inputs = (values.key, targets.key, pose.modes(ob))
     before = _shown.get(ob.session_uid)
     if before is not None and before.member is member and before.inputs == inputs and not anew:
         return
-    played = play.evaluate(member.part, values, targets)
-    played = jiggles.shown(member, played, scene, values, targets, anew)
+    frame = replay.frame(member, inputs, lambda: play.evaluate(member.part, values.values, targets.places))
+    played = jiggles.shown(member, frame.played, scene, values, targets, anew)
     hands_off = held.bones if held is not None and held.ob == ob else ()
-    state = pose.show(member.rig, played, hands_off)
+    as_played = played is frame.played and not hands_off
+    state = pose.show(ob, frame.setting if as_played else pose.Setting.of(member.rig, played, hands_off))
     names = {member.rig.skeleton.names[bone] for bone in played.bones}
     pose.rest(ob, _driven.get(ob.session_uid, set()) - names)
     _driven[ob.session_uid] = names
     deforms.show(member, played)
-    _shown[ob.session_uid] = Shown(member, inputs, values, targets, played, state)
-
-
-def _inputs(values: Values, targets: Mapping[int, Array]) -> bytes:
-    parts = [values.positions, values.rotations, values.weights, *values.deforms.values(), *targets.values()]
-    return b"".join(np.ascontiguousarray(part).tobytes() for part in parts)
+    _shown[ob.session_uid] = Shown(member, inputs, targets, played, state)

@@ -1,12 +1,14 @@
 """Writing a played pose to pose bones, in the rotation modes that they have."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from typing import Self
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Indices
 from ...core.play import Played
 from .. import channels
 from ..channels import Channel
@@ -27,41 +29,69 @@ def channels_of(rig: Rig, played: Played) -> list[Channel]:
     return out
 
 
-def show(rig: Rig, played: Played, but: Collection[str] = ()) -> dict[str, Singles]:
-    """Put the first frame of a played clip on an armature, and return what its bones' properties are now.
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What one frame sets on pose bones."""
 
-    Args:
-        rig: The armature.
-        played: The clip.
-        but: Bones to leave as they are.
-    """
-    bones, names = pose_of(rig.object).bones, rig.skeleton.names
+    rows: Mapping[str, tuple[Indices, Array]]
+    """By property: places among the pose bones, shape (n,), and values, shape (n, width)."""
+
+    @classmethod
+    def of(cls, rig: Rig, played: Played, but: Collection[str] = ()) -> Self:
+        """Return the first frame of a played clip, in the rotation modes that the bones have.
+
+        Args:
+            rig: The armature.
+            played: The clip.
+            but: Bones to leave as they are.
+        """
+        bones, names = pose_of(rig.object).bones, rig.skeleton.names
+        rows = [i for i, bone in enumerate(played.bones) if names[bone] not in but] if but else range(len(played.bones))
+        places, basis = rig.pose_order[played.bones[rows]], played.basis[:1, rows]
+        quaternions: list[int] = []
+        others: dict[str, list[tuple[int, Array]]] = {}
+        for i, place in enumerate(places.tolist()):
+            if (owner := bones[place]).rotation_mode == "QUATERNION":
+                quaternions.append(i)
+            else:
+                channel = channels.rotation(owner, None, basis[:, i])
+                others.setdefault(channel.prop, []).append((place, channel.values[0]))
+        moved = channels.location(rig, channels.movable(rig, played.root), played.shift[:1])
+        at = [] if moved.bone in but else [rig.pose_order[rig.skeleton.index[moved.bone or ""]]]
+        # An animator may have pulled a bone off its place.
+        still = np.zeros((len(places) + len(at), 3))
+        still[len(places) :] = moved.values[0]
+        out = {"location": (np.append(places, at).astype(np.intp), still)}
+        if quaternions:
+            out["rotation_quaternion"] = (places[quaternions], basis[0, quaternions])
+        for prop, given in others.items():
+            out[prop] = (np.array([place for place, _ in given]), np.array([value for _, value in given]))
+        return cls(out)
+
+
+def modes(ob: bpy.types.Object) -> bytes:
+    """Return the rotation modes of all pose bones, to see whether they have changed."""
+    bones = pose_of(ob).bones
+    codes = np.empty(len(bones), dtype=np.int32)
+    bones.foreach_get("rotation_mode", codes)
+    return codes.tobytes()
+
+
+def show(ob: bpy.types.Object, setting: Setting) -> dict[str, Singles]:
+    """Put a frame on an armature, and return what its bones' properties are now."""
+    bones = pose_of(ob).bones
     now: dict[str, Singles] = {}
-    shown = [(int(rig.pose_order[bone]), i) for i, bone in enumerate(played.bones) if names[bone] not in but]
-    still = np.zeros(3)  # an animator may have pulled a bone off its place
-    rows: dict[str, list[tuple[int, Array]]] = {"location": [(place, still) for place, _ in shown]}
-    for place, i in shown:
-        if (owner := bones[place]).rotation_mode == "QUATERNION":
-            prop, value = "rotation_quaternion", played.basis[0, i]
-        else:
-            channel = channels.rotation(owner, None, played.basis[:1, i])
-            prop, value = channel.prop, channel.values[0]
-        rows.setdefault(prop, []).append((place, value))
-    moved = channels.location(rig, channels.movable(rig, played.root), played.shift[:1])
-    if moved.bone not in but:
-        place = int(rig.pose_order[rig.skeleton.index[moved.bone or ""]])
-        rows.setdefault(moved.prop, []).append((place, moved.values[0]))
-    for prop, given in rows.items():
-        buffer = np.empty(len(bones) * _WIDTHS[prop], dtype=np.float32)
+    for prop, (places, values) in setting.rows.items():
+        width = _WIDTHS[prop]
+        buffer = now[prop] = np.empty(len(bones) * width, dtype=np.float32)
         bones.foreach_get(prop, buffer)
-        buffer.reshape(len(bones), _WIDTHS[prop])[[place for place, _ in given]] = np.array([v for _, v in given])
-        if rig.object.library is None:
+        buffer.reshape(-1, width)[places] = values
+        if ob.library is None:
             bones.foreach_set(prop, buffer)
         else:  # Blender sets linked data one by one alone
-            for place, value in given:
+            for place, value in zip(places.tolist(), values, strict=True):
                 setattr(bones[place], prop, value)
-        now[prop] = buffer
-    rig.object.update_tag(refresh={"OBJECT"})
+    ob.update_tag(refresh={"OBJECT"})
     return now
 
 

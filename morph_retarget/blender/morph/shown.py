@@ -1,13 +1,11 @@
 """What a character shows at the moment."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...core.arrays import Array
-from ...core.morph.channels import Values
 from ...core.play import Played
 from .cast import Member
 from .pose import Singles
+from .stage import ToldTargets
 
 
 @dataclass(eq=False)
@@ -15,10 +13,9 @@ class Shown:
     """What a character shows."""
 
     member: Member
-    inputs: bytes
-    """Values and targets, to see whether they have changed."""
-    values: Values
-    targets: Mapping[int, Array]
+    inputs: tuple[object, ...]
+    """What it depends on, to see whether that has changed."""
+    targets: ToldTargets
     played: Played
     state: dict[str, Singles]
     """Properties of its bones when they were last seen."""

@@ -1,6 +1,8 @@
 """Reading what characters are told at a moment: values of channels and places of targets."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 import numpy as np
@@ -8,39 +10,117 @@ import numpy as np
 from ...core import play, quat
 from ...core.arrays import Array
 from ...core.errors import MorphError
-from ...core.morph.channels import TargetKind, Values
+from ...core.morph.channels import Values
 from .. import actions
 from ..actions import CurveMap
 from ..properties import of_rig
 from ..rig import pose_of
 from . import cast, keys
 from .cast import Member
+from .pose import Singles
 
 
-def values_of(member: Member, ob: bpy.types.Object) -> Values:
-    """Return the values of all channels as they are on an object, original or evaluated; a batch of one frame."""
-    items = of_rig(ob).channels
-    if any(channel.name not in items for channel in member.definition.channels):
-        items = of_rig(member.rig.object).channels  # an evaluated copy may be older than a channel
-    count = len(items)
+@dataclass(frozen=True, eq=False)
+class ToldValues:
+    """The values of channels as they are read: enough to see whether they have changed."""
+
+    rows: tuple[int, ...]
+    """For each channel the place of its values."""
+    positions: Singles
+    """Shape (place * 3,)."""
+    rotations: Singles
+    """Shape (place * 4,)."""
+    weights: Singles
+    """Shape (place,)."""
+    deforms: tuple[tuple[int, str, float], ...]
+    """Channel, name and value."""
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Equal for the same values."""
+        return self.rows, self.positions.tobytes(), self.rotations.tobytes(), self.weights.tobytes(), self.deforms
+
+    @cached_property
+    def values(self) -> Values:
+        """Of all channels; a batch of one frame."""
+        count, rows = len(self.weights), self.rows
+        return Values(
+            self.positions.reshape(1, count, 3).take(rows, axis=1).astype(np.float64),
+            quat.normalize(self.rotations.reshape(1, count, 4).take(rows, axis=1).astype(np.float64)),
+            self.weights.reshape(1, count).take(rows, axis=1).astype(np.float64),
+            {(channel, name): np.array([value]) for channel, name, value in self.deforms},
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ToldTargets:
+    """Where external targets are as it is read: enough to see whether they, or the character, have moved."""
+
+    member: Member
+    frame: Array
+    """The matrix of the character's object, shape (4, 4); of no size when it has no targets."""
+    world: tuple[tuple[int, tuple[float, ...]], ...]
+    """Channels that have external targets, and where these are [m], world space."""
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """Equal for the same places."""
+        return self.frame.tobytes(), self.world
+
+    @cached_property
+    def places(self) -> Mapping[int, Array]:
+        """By channel [m], character frame, shapes (1, 3)."""
+        found: dict[tuple[float, ...], Array] = {}
+        for _, world in self.world:
+            if world not in found:
+                found[world] = to_character(self.member, self.frame, np.array(world))[None]
+        return {channel: found[world] for channel, world in self.world}
+
+
+def told_values(member: Member, ob: bpy.types.Object) -> ToldValues:
+    """Return the values of all channels as they are on an object, original or evaluated."""
+    items, names = of_rig(ob).channels, member.names
     place = {item.name: i for i, item in enumerate(items)}
-    rows = [place[c.name] for c in member.definition.channels]
+    if not names.keys() <= place.keys():  # an evaluated copy may be older than a channel
+        items = of_rig(member.rig.object).channels
+        place = {item.name: i for i, item in enumerate(items)}
+    count = len(items)
     positions, rotations = np.empty(count * 3, dtype=np.float32), np.empty(count * 4, dtype=np.float32)
     weights = np.empty(count, dtype=np.float32)
     items.foreach_get("position", positions)
     items.foreach_get("rotation", rotations)
     items.foreach_get("weight", weights)
-    deforms = {
-        (i, deform.name): np.array([deform.value], dtype=np.float64)
-        for i, row in enumerate(rows)
-        for deform in items[row].deforms
-    }
-    return Values(
-        positions.astype(np.float64).reshape(1, count, 3)[:, rows],
-        quat.normalize(rotations.astype(np.float64).reshape(1, count, 4)[:, rows]),
-        weights.astype(np.float64).reshape(1, count)[:, rows],
-        deforms,
+    deforms = tuple(
+        (names[item.name], deform.name, deform.value) for item in items for deform in item.deforms if item.name in names
     )
+    return ToldValues(tuple([place[name] for name in names]), positions, rotations, weights, deforms)
+
+
+def told_targets(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> ToldTargets:
+    """Return where the external targets of a character are."""
+    world: list[tuple[int, tuple[float, ...]]] = []
+    places: dict[tuple[bpy.types.Object, str], tuple[float, ...]] = {}
+    items = of_rig(ob).channels
+    for i in member.external:
+        item = items[member.definition.channels[i].name]
+        key = (item.target, item.target_bone)
+        if key not in places:
+            if not cast.has_target(item):
+                continue
+            places[key] = tuple(place_of(*key, graph).tolist())
+        world.append((i, places[key]))
+    frame = np.array(ob.evaluated_get(graph).matrix_world if world else [], dtype=np.float64)
+    return ToldTargets(member, frame, tuple(world))
+
+
+def values_of(member: Member, ob: bpy.types.Object) -> Values:
+    """Return the values of all channels as they are on an object, original or evaluated; a batch of one frame."""
+    return told_values(member, ob).values
+
+
+def targets_of(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Mapping[int, Array]:
+    """Return where the external targets of a character are, by channel [m], character frame, shapes (1, 3)."""
+    return told_targets(member, ob, graph).places
 
 
 def values_over(member: Member, ob: bpy.types.Object, frames: Array) -> Values:
@@ -69,22 +149,6 @@ def _sampled(found: CurveMap, path: str, frames: Array, now: Sequence[float]) ->
     return np.broadcast_to(values, (len(frames), len(values))) if sampled is None else sampled
 
 
-def targets_of(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Mapping[int, Array]:
-    """Return where the external targets of a character are, by channel [m], character frame, shapes (1, 3)."""
-    out: dict[int, Array] = {}
-    places: dict[tuple[bpy.types.Object, str], Array] = {}
-    items, seen = of_rig(ob).channels, ob.evaluated_get(graph)
-    for i, channel in enumerate(member.definition.channels):
-        if channel.has_target and channel.target is TargetKind.EXTERNAL:
-            item = items[channel.name]
-            if cast.has_target(item):
-                key = (item.target, item.target_bone)
-                if key not in places:
-                    places[key] = to_character(member, seen, place_of(*key, graph))[None]
-                out[i] = places[key]
-    return out
-
-
 def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) -> Array:
     """Return where an object or one of its bones is [m], world space, shape (3,).
 
@@ -109,18 +173,24 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
 
 
 def to_world(ob: bpy.types.Object, local: Array) -> Array:
-    """Return a point of an object's own space in the world, shape (3,)."""
+    """Return points of an object's own space in the world, shape (..., 3)."""
     return _through(np.array(ob.matrix_world, dtype=np.float64), local)
 
 
 def _through(matrix: Array, local: Array) -> Array:
-    return matrix[:3, :3] @ local + matrix[:3, 3]
+    return local @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def to_character(member: Member, ob: bpy.types.Object, world: Array) -> Array:
-    """Return a point of the world in the frame of a character, which goes where its object goes, shape (3,)."""
-    matrix = np.linalg.inv(np.array(ob.matrix_world, dtype=np.float64))
-    return member.character.local_to_character.points(matrix[:3, :3] @ world + matrix[:3, 3])
+def to_character(member: Member, frame: Array, world: Array) -> Array:
+    """Return a point of the world in the frame of a character, shape (3,).
+
+    Args:
+        member: The character.
+        frame: The matrix of its object, which it goes with, shape (4, 4).
+        world: The point [m], shape (3,).
+    """
+    local = np.linalg.solve(frame[:3, :3], world - frame[:3, 3]).astype(np.float64)
+    return member.character.local_to_character.points(local)
 
 
 def _matrix_of(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Array:

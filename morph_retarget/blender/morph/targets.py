@@ -30,7 +30,8 @@ def over(member: Member, item: MORPHRETARGET_PG_values, scene: bpy.types.Scene, 
 
     def place() -> Array:
         graph = bpy.context.evaluated_depsgraph_get()
-        return stage.to_character(member, ob.evaluated_get(graph), stage.place_of(item.target, item.target_bone, graph))
+        frame = np.array(ob.evaluated_get(graph).matrix_world, dtype=np.float64)
+        return stage.to_character(member, frame, stage.place_of(item.target, item.target_bone, graph))
 
     if not (moves(item.target, item.target_bone) or moves(ob)):
         return place()[None]

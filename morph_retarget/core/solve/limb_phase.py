@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 
 from .. import quat, rotation
-from ..arrays import Array
+from ..arrays import Array, Indices
 from . import closing, constraints
 from .constraints import TINY
 from .settings import DEFAULT, SolverSettings
@@ -109,16 +109,21 @@ class Limbs:
         free[:, -1, 1] = 0.0
         return free / np.maximum(free.sum(axis=-1, keepdims=True), 1.0)
 
+    @cached_property
+    def _slowing(self) -> tuple[Array, Array]:
+        """From where on limbs slow down, and how far they get from there [m], shapes (limb,)."""
+        soft = np.maximum(self.settings.slow_down * self.full, self.chords)
+        return soft, np.maximum(self.settings.full_reach * self.full - soft, 1e-9 * self.full)
+
     def reachable(self, away: Array) -> Array:
         """Return distances within reach, shape (frame, limb).
 
         Those near a limb's length are approached ever more slowly: it reaches toward what it cannot reach, without a
         snap and without being hyper-extended.
         """
-        soft = np.maximum(self.settings.slow_down * self.full, self.chords)
-        room = np.maximum(self.settings.full_reach * self.full - soft, 1e-9 * self.full)
+        soft, room = self._slowing
         beyond = np.maximum(away - soft, 0.0)
-        return np.where(away > soft, soft + room * (1.0 - np.exp(-beyond / room)), away)
+        return np.minimum(away, soft) - room * np.expm1(-beyond / room)
 
     def half_way(self, vectors: Array) -> Array:
         """Return half turns about what lies between vectors and the rest lines, shape (frame, limb, 3, 3).
@@ -206,19 +211,32 @@ class Shapes:
         directions[SAMPLES - 1] = limbs.directions
         return cls(least, rest, limbs.top, directions.swapaxes(0, 1).copy())
 
+    @cached_property
+    def _per_metre(self) -> tuple[Array, Array]:
+        """What a metre is of the ways from the rest to the shortest and to the longest distance, shapes (limb,)."""
+        return 1.0 / np.maximum(self.rest - self.least, TINY), 1.0 / np.maximum(self.top - self.rest, TINY)
+
+    @cached_property
+    def _rows(self) -> tuple[Array, Indices]:
+        """The directions as one row for each limb and distance, and where each limb's begin."""
+        limbs, distances, *shape = self.directions.shape
+        starts: Indices = distances * np.arange(limbs, dtype=np.intp)
+        return self.directions.reshape(limbs * distances, *shape), starts
+
     def at(self, distance: Array) -> Array:
         """Return directions for distances [m], shape (frame, limb) to (frame, limb, joint, 3)."""
-        span = np.maximum(self.rest - self.least, TINY)
-        # What is the rest but for rounding is the rest.
         away = distance - self.rest
-        away = np.where(np.abs(away) < 1e-12 * self.top, 0.0, away)
-        below = np.minimum(np.maximum(1.0 + away / span, 0.0), 1.0)
-        above = np.minimum(np.maximum(away / np.maximum(self.top - self.rest, TINY), 0.0), 1.0)
-        place = (SAMPLES - 1) * (np.arccos(1.0 - 2.0 * below) / np.pi + np.arcsin(above) * (2.0 / np.pi))
+        away[np.abs(away) < 1e-12 * self.top] = 0.0  # what is the rest but for rounding is the rest
+        shorter, longer = self._per_metre
+        below = np.minimum(np.maximum(1.0 + away * shorter, 0.0), 1.0)
+        above = np.minimum(np.maximum(away * longer, 0.0), 1.0)
+        place = (SAMPLES - 1) / np.pi * (np.arccos(1.0 - 2.0 * below) + 2.0 * np.arcsin(above))
         low = np.minimum(place.astype(np.intp), 2 * SAMPLES - 3)
         part = (place - low)[..., None, None]
-        limb = np.arange(len(self.least))
-        directions = (1.0 - part) * self.directions[limb, low] + part * self.directions[limb, low + 1]
+        rows, starts = self._rows
+        low_rows = low + starts
+        lower = rows.take(low_rows, axis=0)
+        directions = lower + part * (rows.take(low_rows + 1, axis=0) - lower)
         return directions / quat.length(directions)[..., None]
 
 
