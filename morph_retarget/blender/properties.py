@@ -265,6 +265,11 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         description="Draw where the active channel brings the active body of the active character, and its target",
         default=True,
     )
+    show_solver: BoolProperty(
+        name="Solver",
+        description="Draw the goals of the active character's pose, green where they are met, "
+        "and the particles and constraints that it was found with",
+    )
 
     def options(self) -> Options:
         """Return the settings as the retarget takes them."""

@@ -65,7 +65,7 @@ def path_points(
         frames: Frames, shape (frame,).
         external: Targets of the channels that have external ones, from `stage.targets_of`.
     """
-    return _to_world(ob, _points(member, ob, entry, frames, external))
+    return stage.to_world(ob, _points(member, ob, entry, frames, external))
 
 
 def _points(member: Member, ob: bpy.types.Object, entry: int, frames: Array, external: Mapping[int, Array]) -> Array:
@@ -85,11 +85,6 @@ def _posed(member: Member, ob: bpy.types.Object, frames: Array, external: Mappin
     if first is None:
         return None
     return play.evaluate(first, stage.values_over(member, ob, frames), external).pose.positions
-
-
-def _to_world(ob: bpy.types.Object, points: Array) -> Array:
-    matrix = np.array(ob.matrix_world, dtype=np.float64)
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def path_of(ob: bpy.types.Object, scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> MotionPath | None:

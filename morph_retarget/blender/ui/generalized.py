@@ -67,7 +67,7 @@ class MORPHRETARGET_UL_channels(bpy.types.UIList):
         index: int = 0,
         *_: Any,
     ) -> None:
-        split = layout.split(factor=0.55)
+        split = layout.split(factor=0.45)
         split.prop(item, "name", text="", emboss=False, icon=_TYPES.get(item.context.capability, "BONE_DATA"))
         row = split.row(align=True)
         row.alignment = "RIGHT"
@@ -146,7 +146,9 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
         self._draw_characters(context, layout, action, ob)
         self._draw_channels(layout, action)
         assert context.scene is not None, "the viewport shows a scene"
-        layout.prop(of_scene(context.scene), "show_paths")
+        row = layout.row()
+        row.prop(of_scene(context.scene), "show_paths")
+        row.prop(of_scene(context.scene), "show_solver")
         row = layout.row(align=True)
         row.operator_context = "INVOKE_DEFAULT"
         row.operator("morph_retarget.bake_action", text="Bake", icon="REC").character = ob.name
@@ -180,9 +182,9 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
             if ob == active:
                 box.prop(of_rig(ob), "bends_spine")
+                box.prop(of_rig(ob), "use_joint_limits")
             told = cast.tell(ob) if query.is_ready(ob) else []
-            if ob != active and told:
-                row.label(text="", icon="ERROR")
+            row.label(text="", icon="ERROR" if ob != active and told else "BLANK1")
             for text in told if ob == active else ():
                 say(box, text, "ERROR", context)
 

@@ -84,7 +84,9 @@ class MORPHRETARGET_PT_jiggle_parts(InTab, bpy.types.Panel):
         row.template_list("MORPHRETARGET_UL_jiggle_settings", "", own, "overrides", own, "active_override", rows=3)
         buttons = row.column(align=True)
         buttons.operator_menu_enum("morph_retarget.add_jiggle_settings", "kind", text="", icon="ADD")
-        buttons.operator("morph_retarget.remove_jiggle_settings", text="", icon="REMOVE").character = ob.name
+        remove = buttons.column(align=True)
+        remove.enabled = len(own.overrides) > 0
+        remove.operator("morph_retarget.remove_jiggle_settings", text="", icon="REMOVE").character = ob.name
         if 0 <= own.active_override < len(own.overrides):
             item = own.overrides[own.active_override]
             for name in ("amount", "half_life", "stiffness"):
