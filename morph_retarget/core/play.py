@@ -14,6 +14,7 @@ import numpy as np
 from . import quat, rotation
 from .arrays import Array, Indices
 from .character.character import Character
+from .character.frame import Placement
 from .character.morphology import Capability
 from .morph import specialize
 from .morph.bind import Binding
@@ -22,6 +23,7 @@ from .morph.channels import Values
 from .morph.specialize import Deforms
 from .solve import posing
 from .solve.goals import Goals
+from .solve.limits import JointLimits
 from .solve.posing import BodyPose
 from .solve.settings import DEFAULT, SolverSettings
 
@@ -42,20 +44,41 @@ class Part:
         return self.binding.bodies
 
     @cached_property
-    def rest_frames(self) -> Array:
-        """Rest frames of the turned bones in the character frame (mirrored if the armature is), shape (n, 3, 3)."""
-        rest = self.character.skeleton.rest_rotations[list(self.pose.driven)]
-        return self.character.local_to_character.rotation @ quat.to_matrix(rest)
+    def bones(self) -> Indices:
+        """Bones that are turned, shape (n,)."""
+        return np.array(self.pose.driven, dtype=np.intp)
 
-    def carried(self, pose: BodyPose) -> Array:
-        """Return how the parents of the turned bones are turned, as far as these take it over, (frame, n, 3, 3)."""
-        skeleton, bones = self.character.skeleton, list(self.pose.driven)
+    @cached_property
+    def leaders(self) -> Indices:
+        """What turns these, by its place in the plan's order, shape (n,)."""
+        return self.pose.led_by[self.bones]
+
+    @cached_property
+    def carriers(self) -> tuple[Indices, Indices]:
+        """What turns their parents, shape (n,), and the places of those that do not take that over."""
+        skeleton, bones = self.character.skeleton, self.bones
         parents = skeleton.parents[bones]
         alone = parents < 0
         if skeleton.inherits is not None:
             alone |= ~skeleton.inherits[bones]
-        out = pose.rotations[:, self.pose.led_by[np.where(alone, 0, parents)]]
-        out[:, alone] = np.eye(3)
+        return self.pose.led_by[np.where(alone, 0, parents)], np.flatnonzero(alone)
+
+    @cached_property
+    def rest_frames(self) -> Array:
+        """Rest frames of the turned bones in the character frame (mirrored if the armature is), shape (n, 3, 3)."""
+        rest = self.character.skeleton.rest_rotations[self.bones]
+        return self.character.local_to_character.rotation @ quat.to_matrix(rest)
+
+    @cached_property
+    def to_local(self) -> Placement:
+        """From the character frame to armature space."""
+        return self.character.local_to_character.inverse()
+
+    def carried(self, pose: BodyPose) -> Array:
+        """Return how the parents of the turned bones are turned, as far as these take it over, (frame, n, 3, 3)."""
+        carriers, alone = self.carriers
+        out = pose.rotations.take(carriers, axis=1)
+        out[:, alone] = rotation.IDENTITY
         return out
 
 
@@ -80,11 +103,13 @@ class Played:
     """Positions of all bodies that targets were taken from [m], character frame, shape (frame, body, 3)."""
 
 
-def prepare(character: Character, binding: Binding, settings: SolverSettings = DEFAULT) -> Part:
-    """Return how a binding plays on its character, and how the solver is tuned for it."""
+def prepare(
+    character: Character, binding: Binding, settings: SolverSettings = DEFAULT, limits: JointLimits | None = None
+) -> Part:
+    """Return how a binding plays on its character: how the solver is tuned for it, and what limits its joints."""
     first = None
     if binding.plan.follows_bodies:
-        first = prepare(character, binding.without_followers(), settings)
+        first = prepare(character, binding.without_followers(), settings, limits)
     bodies = binding.bodies
     root = (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
     wanted: dict[int, tuple[bool, bool]] = {}
@@ -92,7 +117,8 @@ def prepare(character: Character, binding: Binding, settings: SolverSettings = D
         position, rotation = wanted.get(entry.body, (False, False))
         wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
-    return Part(character, binding, posing.prepare(character, bodies.positions, root, goals, settings), first)
+    pose = posing.prepare(character, bodies.positions, root, goals, settings, limits)
+    return Part(character, binding, pose, first)
 
 
 def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Played:
@@ -106,16 +132,12 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Playe
     followed = _followed(part, values, external)
     goals = _goals(part, values, external, followed)
     pose = posing.solve(part.pose, goals)
-    plan = part.pose
-    bones = np.array(plan.driven, dtype=np.intp)
-    turns = pose.rotations[:, plan.led_by[bones]]
-    above = part.carried(pose)
+    turns, above = pose.rotations.take(part.leaders, axis=1), part.carried(pose)
     # A basis rotation is what a bone turns beyond its parent, seen in its own rest frame.
     basis = quat.from_matrix(rotation.transposed(above @ part.rest_frames) @ turns @ part.rest_frames)
-    to_local = part.character.local_to_character.inverse()
-    shift = pose.shift @ to_local.rotation.T * to_local.scale
+    shift = pose.shift @ part.to_local.rotation.T * part.to_local.scale
     deforms = specialize.deforms_of(part.binding, values)
-    return Played(bones, basis, plan.root, shift, goals, pose, deforms, followed)
+    return Played(part.bones, basis, part.pose.root, shift, goals, pose, deforms, followed)
 
 
 def goals_at(part: Part, values: Values, external: Mapping[int, Array]) -> Goals:

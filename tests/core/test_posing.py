@@ -21,6 +21,7 @@ from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, ScaleMode
 from morph_retarget.core.play import Part, Played
 from morph_retarget.core.skeleton import pose_from_basis
+from morph_retarget.core.solve.settings import SolverSettings
 from tests.morph_bodies import real_characters
 from tests.skeletons import skeleton_of
 from tools.figure import CHIBI, Bone, Build, humanoid, moved
@@ -250,3 +251,26 @@ def test_what_a_rig_cannot_reach_is_left_as_it_is() -> None:
     played = play.evaluate(part, values, {})
     assert [character.skeleton.names[b] for b in part.pose.unreachable] == ["mouth"]
     assert np.abs(played.pose.positions - Bodies.of(character).positions).max() < 1e-6
+
+
+@pytest.mark.parametrize("nudge", [0.0, 0.05])
+def test_limbs_that_fall_short_nudge_the_root_a_little(nudge: float) -> None:
+    character = _figure(3)
+    channels = (Channel("root", Context(ROOT), SIZED), Channel("feet", Context(FOOT), SIZED, poses_rotation=False))
+    binding = bind(GeneralizedAction("action", channels), Bodies.of(character))
+    part = play.prepare(character, binding, SolverSettings(nudge=nudge))
+    values = _still(3, 2)
+    values.positions[1:, 0, 2] = [0.05, 0.5]  # up and away from feet that stay
+    played = play.evaluate(part, values, {})
+    pose = played.pose
+    fallen = played.goals.positions[:, 0, 2] - pose.positions[:, part.pose.root, 2]
+    assert fallen[0] == 0.0
+    if nudge == 0.0:
+        assert np.abs(fallen).max() < 1e-12
+        return
+    length = 1.75 * 0.6
+    assert 0.0 < fallen[1] < fallen[2] < nudge * length
+    feet = [character.skeleton.index[name] for name in ("leftFoot", "rightFoot")]
+    still = play.evaluate(play.prepare(character, binding), values, {}).pose
+    for frame in (1, 2):
+        assert pose.positions[frame, feet, 2].max() < still.positions[frame, feet, 2].min()

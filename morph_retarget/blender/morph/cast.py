@@ -17,8 +17,9 @@ from ...core.morph.bind import Binding, GeneralizedAction, bind
 from ...core.morph.bodies import Bodies
 from ...core.morph.channels import TargetKind
 from ...core.play import Part
+from ...core.solve.limits import JointLimits
 from ...core.solve.settings import DEFAULT, SolverSettings
-from .. import actions, collect
+from .. import actions, collect, joint_limits
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of, pose_of
 from . import definitions, keys
@@ -41,6 +42,8 @@ class Member:
     binding: Binding
     """How its bodies are posed."""
     solver: SolverSettings = DEFAULT
+    limits: JointLimits | None = None
+    """Of its joints."""
 
     @property
     def bodies(self) -> Bodies:
@@ -48,20 +51,33 @@ class Member:
         return self.binding.bodies
 
     @cached_property
+    def names(self) -> dict[str, int]:
+        """Names of the channels, and which ones they are."""
+        return {channel.name: i for i, channel in enumerate(self.definition.channels)}
+
+    @cached_property
+    def external(self) -> tuple[int, ...]:
+        """Channels that have external targets."""
+        channels = self.definition.channels
+        return tuple(i for i, c in enumerate(channels) if c.has_target and c.target is TargetKind.EXTERNAL)
+
+    @cached_property
     def part(self) -> Part:
         """What plays."""
-        return play.prepare(self.character, self.binding, self.solver)
+        return play.prepare(self.character, self.binding, self.solver, self.limits)
 
     @cached_property
     def free(self) -> Part:
         """The same without what has targets, for others that follow this one's bodies."""
-        return play.prepare(self.character, self.binding.untargeted(), self.solver)
+        return play.prepare(self.character, self.binding.untargeted(), self.solver, self.limits)
 
 
 _analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
 _rests: dict[int, tuple[object, object]] = {}
 """What these were found from."""
 _members: dict[int, tuple[tuple[object, ...], Member]] = {}
+_limits: dict[int, bytes] = {}
+"""What limited the joints of each member."""
 
 
 def action_of(ob: bpy.types.Object) -> bpy.types.Action | None:
@@ -112,6 +128,16 @@ def is_edited(ob: bpy.types.Object, bones: bool = True) -> bool:
     return known is not None and (known[0] != _corrections(ob) or (bones and known[1] != _bones_of(ob)))
 
 
+def is_limited_anew(ob: bpy.types.Object) -> bool:
+    """Return whether the joint limits of a member have been edited since."""
+    known = _limits.get(ob.session_uid)
+    return known is not None and known != _limits_of(ob)
+
+
+def _limits_of(ob: bpy.types.Object) -> bytes:
+    return joint_limits.state(ob) if of_rig(ob).use_joint_limits else b""
+
+
 def _corrections(ob: bpy.types.Object) -> tuple[object, ...]:
     own = of_rig(ob)
     return own.up, own.forward, [(joint.name, joint.bone) for joint in own.joints if joint.by in BY_USER]
@@ -140,8 +166,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     action = action or action_of(ob)
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
-    solver = replace(DEFAULT, bends_spine=own.bends_spine)
-    state = (action.session_uid, len(of_action(action).channels), own.variant, solver)
+    state = (action.session_uid, len(of_action(action).channels), own.variant, own.bends_spine, own.use_joint_limits)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
@@ -156,8 +181,11 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
             selected=tuple(() if i in unknown else bodies for i, bodies in enumerate(binding.selected)),
             problems=(*unknown.values(), *binding.problems),
         )
-    found = Member(rig, action, definition, character, binding, solver)
+    solver = replace(DEFAULT, bends_spine=own.bends_spine)
+    limits = joint_limits.read(ob, rig) if own.use_joint_limits else None
+    found = Member(rig, action, definition, character, binding, solver, limits)
     _members[ob.session_uid] = (state, found)
+    _limits[ob.session_uid] = _limits_of(ob)
     return found
 
 
@@ -259,12 +287,14 @@ def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:
     """Drop what is known about an armature, or about all; with ``rig`` what its bones were found to be as well."""
     if ob is None:
         _members.clear()
+        _limits.clear()
         problems.clear()
         if rig:
             _analysed.clear()
             _rests.clear()
         return
     _members.pop(ob.session_uid, None)
+    _limits.pop(ob.session_uid, None)
     problems.pop(ob.session_uid, None)
     if rig:
         _analysed.pop(ob.session_uid, None)

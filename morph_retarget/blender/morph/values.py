@@ -117,6 +117,13 @@ class Performer:
         override=_OVERRIDABLE,
         update=tell_character,
     )
+    use_joint_limits: BoolProperty(
+        name="Joint Limits",
+        description="Turn no bone further than its own limits for inverse kinematics allow, where it has any",
+        default=True,
+        override=_OVERRIDABLE,
+        update=tell_character,
+    )
     stands_for: PointerProperty(
         type=bpy.types.Object,
         name="Stands For",

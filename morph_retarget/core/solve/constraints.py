@@ -52,6 +52,15 @@ def corrections(start: Array, end: Array, rest: Array, width: Array | float) -> 
     return share[..., None] * away
 
 
+def together(ways: Array) -> Array:
+    """Return how far a particle moves that several constraints want to move, (frame, constraint, 3) to (frame, 3).
+
+    Each counts by how far it wants: one alone moves it all its way, and two that want the same do not move it twice.
+    """
+    sizes = quat.length(ways)
+    return np.matmul(sizes[:, None], ways)[:, 0] / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
+
+
 def smooth_step(value: Array, low: float, high: float) -> Array:
     """Return 0 below ``low``, 1 above ``high`` and a smooth way between."""
     t = np.minimum(np.maximum((value - low) / (high - low), 0.0), 1.0)

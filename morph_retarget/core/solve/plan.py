@@ -2,11 +2,15 @@
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from ..arrays import Array, Indices
+from .branching import Stem
+from .collision import Swivels
 from .limb_phase import Limbs
+from .limit_phase import Limited, LimitedLimbs
 from .settings import DEFAULT, SolverSettings
 from .spine import Spine
 
@@ -22,6 +26,13 @@ class Limb:
     body: int
     joints: tuple[int, ...]
     """From what carries the limb outward."""
+    stem: tuple[int, ...] = ()
+    """Joints before these that it shares with others."""
+
+    @property
+    def path(self) -> tuple[int, ...]:
+        """All joints, from the trunk outward."""
+        return (*self.stem, *self.joints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +42,13 @@ class Wave:
     limbs: tuple[Limb, ...]
     chains: Limbs
     goals: Indices
-    """Their places among the goals, shape (limb,)."""
+    """Their places among the goals, shape (limb,); those of all that branches off a stem, shape (goal,)."""
+    stem: Stem | None = None
+    """What the only one of the limbs is, if several goals share it."""
+    limited: LimitedLimbs | None = None
+    """Limits of their joints, None when there are none."""
+    swivels: Swivels | None = None
+    """What they keep out of, None when there is nothing."""
 
     @cached_property
     def joints(self) -> list[tuple[int, int, int]]:
@@ -72,6 +89,22 @@ class Trunk:
 
 
 @dataclass(frozen=True, eq=False)
+class Nudge:
+    """Limbs that hang on the root and may move it."""
+
+    goals: Indices
+    """Their places among the goals, shape (limb,)."""
+    starts: Array
+    """Where they start, from the root at rest [m], shape (limb, 3)."""
+    reach: Array
+    """Up to where they reach their goals without slowing down [m], shape (limb,)."""
+    least: Array
+    """Length when they are folded up [m], shape (limb,)."""
+    most: float
+    """Most that they move the root [m]."""
+
+
+@dataclass(frozen=True, eq=False)
 class Plan:
     """How the goals of some bodies are met on a character."""
 
@@ -94,6 +127,10 @@ class Plan:
     unreachable: tuple[int, ...]
     """Bodies whose place cannot be changed: they are fixed to what carries them, or another goal has its joints."""
     settings: SolverSettings = field(default=DEFAULT)
+    nudge: Nudge | None = None
+    """What may move the root, None when nothing may."""
+    limited: Limited | None = None
+    """Limits of the leaders' turns, None when there are none."""
 
     @cached_property
     def led_by(self) -> Indices:
@@ -106,7 +143,15 @@ class Plan:
         """Return the joints that bring a body to its place, none where nothing does."""
         if self.trunk is not None and any(pin.owner == body for pin in self.trunk.pins):
             return self.trunk.joints
-        return next((limb.joints for wave in self.waves for limb in wave.limbs if limb.body == body), ())
+        return next((limb.path for wave in self.waves for limb in wave.limbs if limb.body == body), ())
+
+    @cached_property
+    def astray(self) -> set[int]:
+        """Joints of limbs that hang on what turns by itself and is no joint, as twist bones may, and those beyond."""
+        out: set[int] = set()
+        for limb in (limb for wave in self.waves for limb in wave.limbs):
+            out.update(j for before, j in pairwise(limb.joints) if before in out or self.above[j] != before)
+        return out
 
     @cached_property
     def anchors(self) -> Indices:

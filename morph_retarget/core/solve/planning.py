@@ -4,18 +4,24 @@ The trunk (spine, neck and head) is the business of the spine phase; all else th
 limb, solved after it, those that hang on other limbs last. A sub-tree without goals is carried along.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 import numpy as np
 
+from .. import quat
 from ..arrays import Array
 from ..character.character import Character
 from ..character.morphology import Capability, LimbKind
+from .branching import Stem
+from .capsules import Capsules
+from .collision import Swivels
 from .limb_phase import Limbs
-from .plan import NONE, Limb, Pin, Plan, Trunk, Wave
+from .limit_phase import Limited, LimitedLimbs
+from .limits import JointLimits
+from .plan import NONE, Limb, Nudge, Pin, Plan, Trunk, Wave
 from .settings import DEFAULT, SolverSettings
 from .spine import Pull, Spine
 
@@ -26,6 +32,7 @@ def prepare(
     root: int,
     wanted: Sequence[tuple[int, bool, bool]],
     settings: SolverSettings = DEFAULT,
+    limits: JointLimits | None = None,
 ) -> Plan:
     """Return how goals for some bodies are met.
 
@@ -35,9 +42,10 @@ def prepare(
         root: The body that carries all others.
         wanted: For each goal its body, and whether it has a place and a rotation.
         settings: Of the solver.
+        limits: Of all bodies, shapes (body, 3); None when nothing limits them.
     """
     tree = character.skeleton.tree
-    return _Planning(character, rest, root, wanted, settings).plan(tree.order)
+    return _Planning(character, rest, root, wanted, settings, limits).plan(tree.order)
 
 
 class _Planning:
@@ -48,14 +56,18 @@ class _Planning:
         root: int,
         wanted: Sequence[tuple[int, bool, bool]],
         settings: SolverSettings,
+        limits: JointLimits | None,
     ) -> None:
         self.character, self.rest, self.root, self.settings = character, rest, root, settings
+        self.limits = limits
         self.ancestors = character.skeleton.tree.ancestors
         self.turned = {body: i for i, (body, _, rotation) in enumerate(wanted) if rotation}
         places = [(i, body) for i, (body, position, _) in enumerate(wanted) if position and body != root]
         self.places = sorted(places, key=lambda goal: (len(self.ancestors[goal[1]]), goal[1]))
         self.posed = {body for _, body in self.places}
         self.line = self._line()
+        self.stems: list[tuple[tuple[int, ...], tuple[int, ...]]] = []
+        """Joints that goals share, and the bodies that have these goals; from the trunk outward."""
         self.limbs: list[Limb] = []
         self.tips: list[tuple[int, int, int]] = []
         """Goals of the line: the goal, its body, and the body of the line that has it or that it is delegated to."""
@@ -98,7 +110,7 @@ class _Planning:
 
     def plan(self, outward: Iterable[int]) -> Plan:
         """Return the plan."""
-        taken: set[int] = set()
+        taken = self._branch()
         for goal, body in self.places:
             if not self.settings.bends_spine and (chain := self._as_limb(body, taken)):
                 self.limbs.append(Limb(goal, body, chain))
@@ -109,7 +121,8 @@ class _Planning:
                 continue
             joints = self._joints(body, taken)
             if joints and not self._is_delegated(body, joints):
-                self.limbs.append(Limb(goal, body, joints))
+                stem = tuple(j for shared, bodies in self.stems if body in bodies for j in shared)
+                self.limbs.append(Limb(goal, body, joints, stem))
                 taken.update(joints)
                 continue
             carrier = next((a for a in self.ancestors[body] if a in self.line), None)
@@ -125,7 +138,7 @@ class _Planning:
             if body in self.turned:
                 self.turned.setdefault(carrier, self.turned[body])
         trunk = self._trunk_plan()
-        joints_ = {j for limb in self.limbs for j in limb.joints} | set(trunk.joints if trunk else ())
+        joints_ = {j for limb in self.limbs for j in limb.path} | set(trunk.joints if trunk else ())
         level = {limb.body: limb.goal for limb in self.limbs if self._is_foot(limb.body)}
         driven = {self.root, *self.turned, *level, *joints_, *(limb.body for limb in self.limbs)}
         loose = _loose(self.character)
@@ -134,6 +147,7 @@ class _Planning:
         leaders = np.empty(len(self.rest), dtype=np.intp)
         for body in order:
             leaders[body] = body if body in moving else leaders[self.character.skeleton.parents[body]]
+        leading = tuple(b for b in order if b in moving)
         return Plan(
             self.character.skeleton.parents,
             self.rest,
@@ -143,11 +157,45 @@ class _Planning:
             self.turned,
             level,
             leaders,
-            tuple(b for b in order if b in moving),
+            leading,
             tuple(b for b in order if b in driven or b in loose),
             tuple(self.unreachable),
             self.settings,
+            self._nudge(),
+            None if self.limits is None else Limited.of(self.limits, self._axes, leading),
         )
+
+    def _branch(self) -> set[int]:
+        """Find what goals share of limbs that branch, and return these joints; each goal keeps joints of its own."""
+        taken: set[int] = set()
+        groups = [{body: path for _, body in self.places if (path := self._shareable(body))}]
+        while groups:
+            by_first: dict[int, dict[int, tuple[int, ...]]] = {}
+            for body, path in groups.pop(0).items():
+                by_first.setdefault(path[0], {})[body] = path
+            for own in by_first.values():
+                least = min(len(path) for path in own.values()) - 1
+                shared = tuple(row[0] for row in zip(*own.values(), strict=False) if len(set(row)) == 1)[:least]
+                if len(own) > 1 and shared:
+                    self.stems.append((self._hinged(shared), tuple(own)))
+                    taken.update(shared)
+                    groups.append({body: path[len(shared) :] for body, path in own.items()})
+        return taken
+
+    def _shareable(self, body: int) -> tuple[int, ...]:
+        """Return the bodies between the trunk, or the next body with a goal, and a body at the end of a limb."""
+        above, own = self.ancestors[body], self.character
+        if body in self.line or not self._on_limb(body):
+            return ()
+        stops = {a for other in above if other in self.posed for a in self.ancestors[other]}
+        stops |= self._trunk | {*self.ancestors[self.root], *own.spine, *own.neck, own.head}
+        return tuple(reversed(list(takewhile(lambda bone: bone not in stops, above))))
+
+    @cached_property
+    def _axes(self) -> Array:
+        """Rest axes of all bodies in the character frame, mirrored if the armature is, shape (body, 3, 3)."""
+        rest = quat.to_matrix(self.character.skeleton.rest_rotations)
+        return self.character.local_to_character.rotation @ rest
 
     def _joints(self, body: int, taken: set[int]) -> tuple[int, ...]:
         """Return the joints of the limb that brings a body to a place, from the trunk outward."""
@@ -196,9 +244,13 @@ class _Planning:
         return not self._on_limb(body) and any(a in self.line for a in self.ancestors[joints[0]][:1])
 
     def _on_limb(self, body: int) -> bool:
+        return any(bone in self._outer for bone in (body, *self.ancestors[body]))
+
+    @cached_property
+    def _outer(self) -> set[int]:
+        """Bodies of limbs and tails."""
         own = self.character
-        tails = {b for tail in own.tails for b in tail}
-        return body in tails or any(body in limb.bones or body in limb.digits for limb in own.limbs)
+        return {b for part in (*own.tails, *((*limb.bones, *limb.digits) for limb in own.limbs)) for b in part}
 
     def _is_foot(self, body: int) -> bool:
         return Capability.FOOT in self.character.capabilities.get(self.character.skeleton.names[body], ())
@@ -210,12 +262,12 @@ class _Planning:
         where = {body: i for i, body in enumerate(line)}
         pulled = [(limb, where[carrier]) for limb in self.limbs if (carrier := self._carrier(limb)) in where]
         tip = [body for _, body, own in self.tips if own == line[-1] and own != body and body not in self.turned]
-        beyond = tip or [limb.joints[0] for limb, joint in pulled if joint == len(line) - 1]
+        beyond = tip or [limb.path[0] for limb, joint in pulled if joint == len(line) - 1]
         points = [rest[body] for body in line]
         if beyond:
             points.append(np.mean(rest[beyond], axis=0))
         pins = [Pin(self._point(own, body, tip, where), goal, body, own) for goal, body, own in self.tips]
-        spots = [self._nearest(rest[limb.joints[0]], joint, points) for limb, joint in pulled]
+        spots = [self._nearest(rest[limb.path[0]], joint, points) for limb, joint in pulled]
         nodes = (0, *sorted({n for n in (*spots, *(pin.node for pin in pins)) if n > 0}))
         if len(nodes) < 2:
             return None
@@ -225,9 +277,9 @@ class _Planning:
             Pull(
                 place[spot],
                 joint,
-                rest[limb.joints[0]] - rest[line[joint]],
-                float(np.linalg.norm(rest[limb.body] - rest[limb.joints[0]])),
-                *self._lengths(limb),
+                rest[limb.path[0]] - rest[line[joint]],
+                float(np.linalg.norm(rest[limb.body] - rest[limb.path[0]])),
+                *self._lengths(limb.path, limb.body),
                 self._is_foot(limb.body),
             )
             for (limb, joint), spot in zip(pulled, spots, strict=True)
@@ -260,32 +312,83 @@ class _Planning:
 
     def _carrier(self, limb: Limb) -> int:
         """Return the body of the line that carries a limb, NONE when none does."""
-        return next((a for a in self.ancestors[limb.joints[0]] if a in self._trunk or a in self._joints_of_limbs), NONE)
+        return next((a for a in self.ancestors[limb.path[0]] if a in self._trunk or a in self._joints_of_limbs), NONE)
 
     @cached_property
     def _joints_of_limbs(self) -> set[int]:
-        return {j for limb in self.limbs for j in limb.joints} | {limb.body for limb in self.limbs}
+        return {j for limb in self.limbs for j in limb.path} | {limb.body for limb in self.limbs}
 
-    def _lengths(self, limb: Limb) -> tuple[float, float]:
+    def _lengths(self, joints: Sequence[int], body: int) -> tuple[float, float]:
         """Return the length of a limb when it is stretched, and when it is folded up [m]."""
-        bones = np.linalg.norm(np.diff(self.rest[[*limb.joints, limb.body]], axis=0), axis=-1)
+        bones = np.linalg.norm(np.diff(self.rest[[*joints, body]], axis=0), axis=-1)
         full = float(bones.sum())
         return full, max(2.0 * float(bones.max()) - full, 0.0)
 
     def _waves(self) -> Iterable[Wave]:
         """Yield the limbs in the order in which they are solved: those that hang on others after these."""
-        left, done = list(self.limbs), set[int]()
-        while left:
-            blocked = {b for limb in left for b in (*limb.joints, limb.body)}
-            ready = [limb for limb in left if not any(a in blocked for a in self.ancestors[limb.joints[0]])]
-            chains = Limbs.of(
-                [self.rest[[*limb.joints, limb.body]] for limb in ready],
-                [self._hint(limb.body) for limb in ready],
-                self.settings,
-            )
-            yield Wave(tuple(ready), chains, np.array([limb.goal for limb in ready], dtype=np.intp))
-            done.update(limb.goal for limb in ready)
-            left = [limb for limb in left if limb.goal not in done]
+        limbs, stems = list(self.limbs), list(self.stems)
+        while limbs or stems:
+            blocked = {b for limb in limbs for b in (*limb.joints, limb.body)} | {b for own, _ in stems for b in own}
+            ready = [limb for limb in limbs if not any(a in blocked for a in self.ancestors[limb.joints[0]])]
+            if ready:
+                chains = Limbs.of(
+                    [self.rest[[*limb.joints, limb.body]] for limb in ready],
+                    [self._hint(limb.body) for limb in ready],
+                    self.settings,
+                )
+                wave = self._wave(ready, chains, [limb.goal for limb in ready])
+                yield replace(wave, swivels=self._swivels(ready, chains, blocked))
+            free = [stem for stem in stems if not any(a in blocked for a in self.ancestors[stem[0][0]])]
+            yield from (self._stem(*stem) for stem in free)
+            limbs = [limb for limb in limbs if limb not in ready]
+            stems = [stem for stem in stems if stem not in free]
+
+    def _stem(self, joints: tuple[int, ...], bodies: Sequence[int]) -> Wave:
+        """Return what some goals share of a limb."""
+        paths = {limb.body: limb.path for limb in self.limbs}
+        beyond = [paths[body][paths[body].index(joints[-1]) + 1 :] for body in bodies]
+        points, tips = self.rest[list(joints)], self.rest[list(bodies)]
+        chain = Limbs.of([np.vstack([points, tips.mean(axis=0)])], [self._hint(bodies[0])], self.settings)
+        lengths = [self._lengths(own, body) for own, body in zip(beyond, bodies, strict=True)]
+        stem = Stem.of(points, self.rest[[own[0] for own in beyond]], tips, lengths, chain)
+        goals = [goal for body in bodies for goal, own in self.places if own == body]
+        return self._wave([Limb(goals[0], beyond[0][0], joints)], chain, goals, stem)
+
+    def _wave(self, limbs: Sequence[Limb], chains: Limbs, goals: Sequence[int], stem: Stem | None = None) -> Wave:
+        limited = None
+        if self.limits is not None:
+            limited = LimitedLimbs.of(self.limits, self._axes, [limb.joints for limb in limbs], chains.segments)
+        return Wave(tuple(limbs), chains, np.array(goals, dtype=np.intp), stem, limited)
+
+    def _swivels(self, limbs: Sequence[Limb], chains: Limbs, left: Collection[int]) -> Swivels | None:
+        """Return what limbs keep out of; ``left`` are the bodies of these, and of those that are solved after them."""
+        if not self.settings.avoids_collisions:
+            return None
+        capsules, moved = self._capsules, {*left} - self._trunk
+        fixed = [i for i, b in enumerate(capsules.bodies.tolist()) if moved.isdisjoint((b, *self.ancestors[b]))]
+        joints = [limb.joints for limb in limbs]
+        radii = [[capsules.radius_of.get(j, 0.0) if j in moved else 0.0 for j in own] for own in joints]
+        return Swivels.of(joints, chains.segments, self.rest, capsules.take(fixed), radii, self.settings)
+
+    @cached_property
+    def _capsules(self) -> Capsules:
+        return Capsules.of(self.character, self.rest, self.settings.radii)
+
+    def _nudge(self) -> Nudge | None:
+        """Return the limbs that hang on the root, if they may move it."""
+        own = [limb for limb in self.limbs if self._carrier(limb) == self.root]
+        if not own or self.settings.nudge <= 0.0:
+            return None
+        lengths = np.array([self._lengths(limb.path, limb.body) for limb in own])
+        starts = self.rest[[limb.path[0] for limb in own]]
+        chords = quat.length(self.rest[[limb.body for limb in own]] - starts)
+        return Nudge(
+            np.array([limb.goal for limb in own], dtype=np.intp),
+            starts - self.rest[self.root],
+            np.maximum(self.settings.slow_down * lengths[:, 0], chords),
+            lengths[:, 1],
+            self.settings.nudge * float(lengths[:, 0].mean()),
+        )
 
     def _hint(self, body: int) -> Array:
         """Return where the middle of a straight limb moves when it bends."""

@@ -8,6 +8,7 @@ the goals of its frame alone, so all frames are one batch.
 """
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,9 +16,11 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array
-from . import limb_phase, spine_phase
+from . import branching, collision, constraints, limb_phase, limit_phase, spine_phase
+from .collision import Swivels
+from .constraints import TINY
 from .goals import Goals
-from .plan import NONE, Plan, Trunk, Wave
+from .plan import NONE, Nudge, Plan, Trunk, Wave
 from .planning import prepare
 from .spine import Rest
 
@@ -33,8 +36,8 @@ class BodyPose:
 
     rotations: Array
     """Turn of each leader of the plan from its rest, as matrices, shape (frame, leader, 3, 3)."""
-    places: Array
-    """Of the leaders' joints [m], shape (frame, leader, 3)."""
+    moved: Array
+    """How far the root moved from where it rests [m], shape (frame or 1, 3)."""
     shift: Array
     """How far the root moved from where its parents hold it, in their frame [m], shape (frame, 3)."""
     plan: Plan
@@ -43,6 +46,16 @@ class BodyPose:
     def turns(self) -> Array:
         """Turn of each body from its rest, shape (frame, body, 4)."""
         return quat.from_matrix(self.rotations)[:, self.plan.led_by]
+
+    @cached_property
+    def places(self) -> Array:
+        """Of the leaders' joints [m], shape (frame, leader, 3)."""
+        plan = self.plan
+        # From what carries it to each leader; the root is where it was brought, whatever carries it.
+        steps = rotation.apply(self.rotations.take(plan.carriers, axis=1), plan.offsets)
+        steps[:, plan.anchors] = plan.rest[[plan.order[i] for i in plan.anchors]]
+        steps[:, plan.order.index(plan.root)] += self.moved
+        return np.matmul(plan.lines, steps)
 
     @cached_property
     def positions(self) -> Array:
@@ -55,18 +68,15 @@ class BodyPose:
 def solve(plan: Plan, goals: Goals) -> BodyPose:
     """Return the pose that meets the goals."""
     state = _State(plan, goals)
+    if plan.nudge is not None:
+        state.give_way(plan.nudge)
     if plan.trunk is not None:
         state.bend(plan.trunk)
     for wave in plan.waves:
         state.reach(wave)
     frames = len(goals)
     rotations = _together([state.rotation(leader) for leader in plan.order], frames)
-    # From what carries it to each leader; the root is where it was brought, whatever carries it.
-    steps = rotation.apply(rotations.take(plan.carriers, axis=1), plan.offsets)
-    steps[:, plan.anchors] = plan.rest[[plan.order[i] for i in plan.anchors]]
-    steps[:, plan.order.index(plan.root)] += state.shift
-    places = np.matmul(plan.lines, steps)
-    return BodyPose(rotations, places, np.broadcast_to(state.shift_from_parent(), (frames, 3)), plan)
+    return BodyPose(rotations, state.shift, np.broadcast_to(state.shift_from_parent(), (frames, 3)), plan)
 
 
 def _together(parts: Sequence[Array], frames: int) -> Array:
@@ -94,6 +104,18 @@ class _State:
             self.shift = influence * (goals.positions[:, rows[0]] - plan.rest[plan.root])
         # The body does not follow what happens to carry its root: a snake's head may.
         self._rotations[plan.root] = self._turned(plan.root, _STILL)
+
+    def give_way(self, nudge: Nudge) -> None:
+        """Let the root go a little of the way that limbs which hang on it fall short of."""
+        root, goals = self.plan.root, self.goals
+        starts = rotation.apply(self._rotations[root][:, None], nudge.starts) + self.place(root)[:, None]
+        away = goals.positions.take(nudge.goals, axis=1) - starts
+        distance = quat.length(away)
+        error = np.maximum(distance - nudge.reach, 0.0) + np.minimum(distance - nudge.least, 0.0)
+        share = goals.position_influence.take(nudge.goals, axis=1) * error / np.maximum(distance, TINY)
+        way = constraints.together(share[..., None] * away)
+        self.shift = self.shift + way / (1.0 + quat.length(way) / nudge.most)[:, None]
+        self._places.clear()
 
     def bend(self, trunk: Trunk) -> None:
         """Pose the spine."""
@@ -126,7 +148,7 @@ class _State:
         )
         turns = np.matmul(outer, spine_phase.solve(rest, wanted))
         for i, joint in enumerate(trunk.joints):
-            self._rotations[joint] = turns[:, i]
+            self._rotations[joint] = self._held(joint, turns[:, i])
 
     def reach(self, wave: Wave) -> None:
         """Pose limbs."""
@@ -134,14 +156,40 @@ class _State:
         carried = _together([self.rotation(self.plan.above[start]) for start in starts], frames)
         places = _together([self.place(start) for start in starts], frames)
         along = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
-        influence = goals.position_influence.take(wave.goals, axis=1)[..., None]
-        if (influence != 1.0).any():
-            rest = wave.chains.segments.sum(axis=1)
-            along = rest + influence * (along - rest)
-        turned = np.matmul(carried[:, :, None], limb_phase.solve(wave.chains, along))
+        influence = goals.position_influence.take(wave.goals, axis=1)
+        if wave.stem is not None:
+            own = branching.solve(wave.stem, along, influence)
+        else:
+            if (influence != 1.0).any():
+                rest = wave.chains.segments.sum(axis=1)
+                along = rest + influence[..., None] * (along - rest)
+            own = limb_phase.solve(wave.chains, along)
+        turned = np.matmul(carried[:, :, None], own)
+        if wave.swivels is not None:
+            turned = self._freed(wave, wave.swivels, places, turned)
         for limb, first, i in wave.joints:
             self._rotations[limb] = turned[:, first, i]
         self._twist(wave, turned)
+        if wave.limited is not None:
+            for joint, limb, i in wave.joints:
+                turned[:, limb, i] = self._rotations[joint]
+            turned = limit_phase.hold(wave.limited, carried, turned)
+            for joint, limb, i in wave.joints:
+                own = turned[:, limb, i]
+                self._rotations[joint] = self._held(joint, own) if joint in self.plan.astray else own
+
+    def _freed(self, wave: Wave, swivels: Swivels, places: Array, turned: Array) -> Array:
+        """Return limbs out of what they collide with."""
+        # Where that is may still change within its limits, so what is found out about it here is not kept.
+        aside, around, rest = copy(self), swivels.around, self.plan.rest
+        aside._rotations, aside._places = dict(self._rotations), dict(self._places)
+        aside._rotations.update({joint: turned[:, limb, i] for joint, limb, i in wave.joints})
+        ends = np.empty((2, len(turned), len(around.bodies), 3))
+        for i, leader in enumerate(self.plan.leaders[around.bodies].tolist()):
+            for end, points in zip(ends, (around.starts, around.ends), strict=True):
+                away = rotation.apply(aside.rotation(leader), points[i] - rest[leader])
+                end[:, i] = aside.place(leader) + away
+        return collision.free(swivels, places, turned, (ends[0], ends[1]))
 
     def _twist(self, wave: Wave, turned: Array) -> None:
         """Let joints with turns of their own twist as these say, and point where they were solved to."""
@@ -160,13 +208,14 @@ class _State:
     def _turned(self, body: int, carried: Array) -> Array:
         """Return the rotation of a body: as it is wanted, as far as it is, else as it is carried."""
         plan = self.plan
+        goal = plan.turned.get(body)
+        if goal is not None and self._whole:
+            return self._wanted[:, goal]
         if body in plan.level:
             carried = _toward(carried, _STILL, self.goals.position_influence[:, plan.level[body]])
-        if body not in plan.turned:
+        if goal is None:
             return carried
-        goal = plan.turned[body]
-        share, wanted = self.goals.rotation_influence[:, goal], self._wanted[:, goal]
-        return wanted if self._whole or (share == 1.0).all() else _toward(carried, wanted, share)
+        return _toward(carried, self._wanted[:, goal], self.goals.rotation_influence[:, goal])
 
     def shift_from_parent(self) -> Array:
         """Return how far the root moved from where its parents hold it, turned as they are, shape (frame or 1, 3)."""
@@ -182,8 +231,13 @@ class _State:
         if leader == NONE:
             return _STILL
         if leader not in self._rotations:
-            self._rotations[leader] = self._turned(leader, self.rotation(self.plan.above[leader]))
+            self._rotations[leader] = self._held(leader, self._turned(leader, self.rotation(self.plan.above[leader])))
         return self._rotations[leader]
+
+    def _held(self, body: int, turned: Array) -> Array:
+        """Return the rotation of a body within its limits."""
+        limited = self.plan.limited
+        return turned if limited is None else limited.held(body, self.rotation(self.plan.above[body]), turned)
 
     def place(self, leader: int) -> Array:
         """Return where a leader is [m], shape (frame or 1, 3)."""

@@ -1,6 +1,7 @@
 """What tunes the particle IK solver; the values are those of Hecker 2008 §4.3 wherever it tells them."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,21 @@ class SolverSettings:
     spine_start: float = 0.95
     """Share of a limb's length from which on it pulls at the spine, or its rest chord if that is longer. The paper
     pulls from the rest chord on (0); the later, the longer the spine stays where the animator has put it."""
+    nudge: float = 0.0
+    """Most that limbs which hang on the root and fall short of their goals move it, as a share of their length. The
+    paper lets immediate children do so slightly (§4.3.1, footnote); 0 leaves the root where the animator has put it."""
     refinements: int = 2
     """How often the spine gives way to limbs that still cannot reach their goals, after it has been reconstructed."""
     twist: float = 60.0
     """Most that a branch point twists about the spine for them [degrees]."""
+    avoids_collisions: bool = False
+    """Whether limbs swivel, their ends where they are, out of the trunk, the head and each other."""
+    margin: float = 0.05
+    """By how much further than touching they keep apart, as a share of their radii."""
+    most_swivel: float = 60.0
+    """Most that a limb swivels [degrees]."""
+    radii: Mapping[str, float] = field(default_factory=dict[str, float], hash=False)
+    """Of bones that are thinner or thicker than the rule in `capsules` has them, by name [m]."""
 
 
 DEFAULT = SolverSettings()

@@ -96,7 +96,7 @@ def _give_way(spine: Spine, short: Array, arms: Array, particles: Array, twists:
         turning = np.matmul(rotation.cross(lever, ways), axis.swapaxes(1, 2)).sum(axis=(1, 2))
         twist = twists[:, node] + EAGER * turning / np.maximum((lever * lever).sum(axis=(1, 2)), TINY)
         twists[:, node] = np.minimum(np.maximum(twist, -most), most)
-        particles[:, node] += EAGER * _together(ways)
+        particles[:, node] += EAGER * constraints.together(ways)
 
 
 def _is_stirred(rest: Rest, wanted: Wanted, particles: Array) -> bool:
@@ -124,7 +124,7 @@ def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
         for node in range(count - 1, 0, -1):
             own = particles[:, node]
             if node in spine.pulled:
-                own += _together(_pulled(rest, wanted, particles, node))
+                own += constraints.together(_pulled(rest, wanted, particles, node))
             if pinned[node]:
                 own += wanted.pinned[:, node, None] * (wanted.pins[:, node] - own)
             change = constraints.corrections(particles[:, node - 1], own, rest.chords[:, node - 1], width[:, node - 1])
@@ -152,15 +152,6 @@ def _held_back(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array
     distance = quat.length(away)
     share = wanted.weights[:, own.pulls] * np.maximum(distance - own.full, 0.0)
     return (share / np.maximum(distance, TINY))[..., None] * away
-
-
-def _together(ways: Array) -> Array:
-    """Return how far a particle moves that several constraints want to move, shape (frame, 3).
-
-    Each counts by how far it wants: one alone moves it all its way, and two that want the same do not move it twice.
-    """
-    sizes = quat.length(ways)
-    return np.matmul(sizes[:, None], ways)[:, 0] / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
 
 
 def _unbuckle(rest: Rest, particles: Array) -> None:
@@ -248,7 +239,7 @@ def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array) 
     _project(rest, wanted, particles)
     _arrive(rest, wanted, particles, 0)
     if held := rest.spine.held:  # the trunk does not leave behind what feet hold
-        particles[:, held] += _together(_held_back(rest, wanted, particles, held))
+        particles[:, held] += constraints.together(_held_back(rest, wanted, particles, held))
         _arrive(rest, wanted, particles, held)
         for node in range(1, particles.shape[1]):
             particles[:, node] = _within(particles[:, node - 1], particles[:, node], rest.spine, node - 1)
