@@ -24,9 +24,10 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
-from .morph import jiggle_properties, values
+from .morph import jiggle_properties, solver_properties, values
 from .morph import properties as morph
 from .morph.jiggle_properties import Jiggler
+from .morph.solver_properties import Solved
 from .morph.values import Performer
 from .retarget import Options, Reference
 
@@ -84,7 +85,7 @@ class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
     end: IntProperty(name="End", description="Last frame on the ground", update=_changed)
 
 
-class MORPHRETARGET_PG_rig(Performer, Jiggler, bpy.types.PropertyGroup):
+class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, bpy.types.PropertyGroup):
     """What is known about one armature."""
 
     joints: CollectionProperty(
@@ -304,6 +305,7 @@ def of_rig(ob: bpy.types.Object) -> MORPHRETARGET_PG_rig:
 CLASSES = (
     *values.CLASSES,
     *jiggle_properties.CLASSES,
+    *solver_properties.CLASSES,
     *morph.CLASSES,
     MORPHRETARGET_PG_joint,
     MORPHRETARGET_PG_contact,

@@ -7,7 +7,7 @@ import numpy as np
 from . import play
 from .arrays import Array
 from .morph.channels import Values
-from .play import Part, Played
+from .play import Part, Played, Stretched
 from .solve.goals import Goals
 from .solve.posing import BodyPose
 
@@ -39,6 +39,7 @@ def joined(blocks: Sequence[Played]) -> Played:
         _joined_poses([block.pose for block in blocks]),
         {key: _rows([block.deforms[key] for block in blocks]) for key in first.deforms},
         None if first.followed is None else _rows([b.followed for b in blocks if b.followed is not None]),
+        _joined_stretched([b.stretched for b in blocks if b.stretched is not None]),
     )
 
 
@@ -55,7 +56,13 @@ def _joined_goals(goals: Sequence[Goals]) -> Goals:
 def _joined_poses(poses: Sequence[BodyPose]) -> BodyPose:
     moved = [np.broadcast_to(pose.moved, pose.shift.shape) for pose in poses]
     rotations, shift = _rows([pose.rotations for pose in poses]), _rows([pose.shift for pose in poses])
-    return BodyPose(rotations, _rows(moved), shift, poses[0].plan)
+    stretched = [pose.stretched for pose in poses if pose.stretched is not None]
+    return BodyPose(rotations, _rows(moved), shift, poses[0].plan, _rows(stretched) if stretched else None)
+
+
+def _joined_stretched(blocks: Sequence[Stretched]) -> Stretched | None:
+    """Return what moves over some clips; a part that may stretch has it in all of them, and others in none."""
+    return Stretched(blocks[0].bones, _rows([block.shifts for block in blocks])) if blocks else None
 
 
 def _rows(arrays: Sequence[Array]) -> Array:

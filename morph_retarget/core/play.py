@@ -5,7 +5,7 @@ generalized values -> specialize and blend -> goals -> pose -> basis rotations o
 Channels whose targets are bodies of the same character are specialized last, when the others have moved the targets.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -49,6 +49,11 @@ class Part:
         return np.array(self.pose.driven, dtype=np.intp)
 
     @cached_property
+    def stretching(self) -> Indices:
+        """Bones whose heads move when bones stretch, shape (n,)."""
+        return np.array(self.pose.stretched, dtype=np.intp)
+
+    @cached_property
     def leaders(self) -> Indices:
         """What turns these, by its place in the plan's order, shape (n,)."""
         return self.pose.led_by[self.bones]
@@ -83,6 +88,16 @@ class Part:
 
 
 @dataclass(frozen=True, eq=False)
+class Stretched:
+    """Bones that are moved off where their parents hold them, where others have got longer or shorter."""
+
+    bones: Indices
+    """Shape (n,)."""
+    shifts: Array
+    """How far their heads move, in the rest frames of their parents, armature space, shape (frame, n, 3)."""
+
+
+@dataclass(frozen=True, eq=False)
 class Played:
     """A character over a clip, ready to be keyed or shown."""
 
@@ -101,15 +116,29 @@ class Played:
     deforms: Deforms
     followed: Array | None
     """Positions of all bodies that targets were taken from [m], character frame, shape (frame, body, 3)."""
+    stretched: Stretched | None = None
+    """What moves as bones stretch, None where none may."""
 
 
 def prepare(
-    character: Character, binding: Binding, settings: SolverSettings = DEFAULT, limits: JointLimits | None = None
+    character: Character,
+    binding: Binding,
+    settings: SolverSettings = DEFAULT,
+    limits: JointLimits | None = None,
+    fixed: Collection[int] = (),
 ) -> Part:
-    """Return how a binding plays on its character: how the solver is tuned for it, and what limits its joints."""
+    """Return how a binding plays on its character.
+
+    Args:
+        character: What the rig is.
+        binding: How its bodies are posed.
+        settings: How the solver is tuned for it.
+        limits: What limits its joints.
+        fixed: Bones whose heads cannot move off where their parents hold them.
+    """
     first = None
     if binding.plan.follows_bodies:
-        first = prepare(character, binding.without_followers(), settings, limits)
+        first = prepare(character, binding.without_followers(), settings, limits, fixed)
     bodies = binding.bodies
     root = (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
     wanted: dict[int, tuple[bool, bool]] = {}
@@ -117,7 +146,7 @@ def prepare(
         position, rotation = wanted.get(entry.body, (False, False))
         wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
-    pose = posing.prepare(character, bodies.positions, root, goals, settings, limits)
+    pose = posing.prepare(character, bodies.positions, root, goals, settings, limits, fixed)
     return Part(character, binding, pose, first)
 
 
@@ -136,8 +165,13 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Playe
     # A basis rotation is what a bone turns beyond its parent, seen in its own rest frame.
     basis = quat.from_matrix(rotation.transposed(above @ part.rest_frames) @ turns @ part.rest_frames)
     shift = pose.shift @ part.to_local.rotation.T * part.to_local.scale
+    stretched = None
+    if pose.stretched is not None:
+        bones = part.stretching
+        shifts = pose.stretched.take(part.pose.led_by[bones], axis=1)
+        stretched = Stretched(bones, shifts @ part.to_local.rotation.T * part.to_local.scale)
     deforms = specialize.deforms_of(part.binding, values)
-    return Played(part.bones, basis, part.pose.root, shift, goals, pose, deforms, followed)
+    return Played(part.bones, basis, part.pose.root, shift, goals, pose, deforms, followed, stretched)
 
 
 def goals_at(part: Part, values: Values, external: Mapping[int, Array]) -> Goals:

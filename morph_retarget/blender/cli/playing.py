@@ -67,6 +67,20 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         "else no)",
     )
     parser.add_argument(
+        "--allow-stretch",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="let limbs get longer and shorter to come to goals out of reach (default: as the character's file says, "
+        "else no)",
+    )
+    parser.add_argument(
+        "--avoid-collisions",
+        action=argparse.BooleanOptionalAction,
+        default=None,
+        help="swivel arms and legs out of the trunk, the head and each other (default: as the character's file says, "
+        "else no)",
+    )
+    parser.add_argument(
         "--joint-limits",
         action=argparse.BooleanOptionalAction,
         default=None,
@@ -192,6 +206,10 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
         jiggles.welcome(ob)
         if arguments.bend_spine is not None:
             of_rig(ob).bends_spine = arguments.bend_spine
+        if arguments.allow_stretch is not None:
+            of_rig(ob).allows_stretch = arguments.allow_stretch
+        if arguments.avoid_collisions is not None:
+            of_rig(ob).avoids_collisions = arguments.avoid_collisions
         if arguments.joint_limits is not None:
             of_rig(ob).use_joint_limits = arguments.joint_limits
         if arguments.jiggles is not None:

@@ -56,7 +56,7 @@ class Take:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the user should know."""
-        return tuple(self.member.part.binding.problems) + self.member.rig.warnings
+        return tuple(self.member.part.binding.problems) + self.member.warnings
 
     def report(self) -> dict[str, object]:
         """Return what was played and measured, as it is written to report files."""
@@ -68,7 +68,7 @@ class Take:
             self.member.part.binding,
             self.played,
             self.events,
-            self.member.rig.warnings,
+            self.member.warnings,
         )
 
 

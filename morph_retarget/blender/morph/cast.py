@@ -22,7 +22,7 @@ from ...core.solve.settings import DEFAULT, SolverSettings
 from .. import actions, collect, joint_limits
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of, pose_of
-from . import definitions, keys
+from . import definitions, keys, stretching
 from .properties import of_action
 from .values import MORPHRETARGET_PG_values
 
@@ -44,6 +44,8 @@ class Member:
     solver: SolverSettings = DEFAULT
     limits: JointLimits | None = None
     """Of its joints."""
+    fixed: frozenset[int] = frozenset()
+    """Bones that cannot move off their parents when others stretch."""
 
     @property
     def bodies(self) -> Bodies:
@@ -64,12 +66,17 @@ class Member:
     @cached_property
     def part(self) -> Part:
         """What plays."""
-        return play.prepare(self.character, self.binding, self.solver, self.limits)
+        return play.prepare(self.character, self.binding, self.solver, self.limits, self.fixed)
 
     @cached_property
     def free(self) -> Part:
         """The same without what has targets, for others that follow this one's bodies."""
-        return play.prepare(self.character, self.binding.untargeted(), self.solver, self.limits)
+        return play.prepare(self.character, self.binding.untargeted(), self.solver, self.limits, self.fixed)
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the user should know of the armature itself."""
+        return (*self.rig.warnings, *stretching.told(self.rig, self.part.pose.stiff))
 
 
 _analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
@@ -150,7 +157,7 @@ def _bones_of(ob: bpy.types.Object) -> tuple[object, ...]:
         values = np.empty(width * len(bones), dtype=kind)
         bones.foreach_get(name, values)
         parts.append(values.tobytes())
-    for name in ("use_deform", "use_inherit_rotation"):
+    for name in ("use_deform", "use_inherit_rotation", "use_connect"):
         flags = np.empty(len(bones), dtype=np.bool_)
         bones.foreach_get(name, flags)
         parts.append(flags.tobytes())
@@ -166,7 +173,8 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     action = action or action_of(ob)
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
-    state = (action.session_uid, len(of_action(action).channels), own.variant, own.bends_spine, own.use_joint_limits)
+    switches = own.bends_spine, own.allows_stretch, own.avoids_collisions, own.use_joint_limits
+    state = (action.session_uid, len(of_action(action).channels), own.variant, switches)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
@@ -181,9 +189,15 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
             selected=tuple(() if i in unknown else bodies for i, bodies in enumerate(binding.selected)),
             problems=(*unknown.values(), *binding.problems),
         )
-    solver = replace(DEFAULT, bends_spine=own.bends_spine)
+    solver = replace(
+        own.solver.settings(rig.skeleton.index),
+        bends_spine=own.bends_spine,
+        allows_stretch=own.allows_stretch,
+        avoids_collisions=own.avoids_collisions,
+    )
     limits = joint_limits.read(ob, rig) if own.use_joint_limits else None
-    found = Member(rig, action, definition, character, binding, solver, limits)
+    fixed = stretching.connected(rig) if own.allows_stretch else frozenset[int]()
+    found = Member(rig, action, definition, character, binding, solver, limits, fixed)
     _members[ob.session_uid] = (state, found)
     _limits[ob.session_uid] = _limits_of(ob)
     return found
@@ -266,9 +280,17 @@ def tell(ob: bpy.types.Object) -> list[str]:
     if problem is not None:
         return [problem]
     try:
-        return [*member(ob).binding.problems, *_lost(ob)]
+        own = member(ob)
+        stiff = stretching.told(own.rig, own.part.pose.stiff) if own.solver.allows_stretch else []
+        return [*own.binding.problems, *stiff, *_lost_limbs(ob), *_lost(ob)]
     except MorphError as error:
         return [str(error)]
+
+
+def _lost_limbs(ob: bpy.types.Object) -> list[str]:
+    """Return which limbs with solver settings a character has not, in words."""
+    lost = of_rig(ob).solver.lost(pose_of(ob).bones)
+    return [f"{name!r} has solver settings and is no bone of {ob.name!r}: remove these" for name in lost]
 
 
 def _lost(ob: bpy.types.Object) -> list[str]:

@@ -26,7 +26,15 @@ def channels_of(rig: Rig, played: Played) -> list[Channel]:
         for i, bone in enumerate(played.bones)
     ]
     out.append(channels.location(rig, channels.movable(rig, played.root), played.shift))
-    return out
+    return out + [channel for channel in _stretched(rig, played) if channel.values.any()]
+
+
+def _stretched(rig: Rig, played: Played) -> list[Channel]:
+    """Return the locations of bones that are moved off their parents where these have stretched."""
+    own = played.stretched
+    if own is None:
+        return []
+    return [channels.location(rig, bone, own.shifts[:, i]) for i, bone in enumerate(own.bones.tolist())]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,11 +64,13 @@ class Setting:
             else:
                 channel = channels.rotation(owner, None, basis[:, i])
                 others.setdefault(channel.prop, []).append((place, channel.values[0]))
-        moved = channels.location(rig, channels.movable(rig, played.root), played.shift[:1])
-        at = [] if moved.bone in but else [rig.pose_order[rig.skeleton.index[moved.bone or ""]]]
+        moved = [channels.location(rig, channels.movable(rig, played.root), played.shift[:1])]
+        moved = [own for own in (*moved, *_stretched(rig, played)) if own.bone not in but]
+        at = [rig.pose_order[rig.skeleton.index[own.bone or ""]] for own in moved]
         # An animator may have pulled a bone off its place.
         still = np.zeros((len(places) + len(at), 3))
-        still[len(places) :] = moved.values[0]
+        for i, own in enumerate(moved, len(places)):
+            still[i] = own.values[0]
         out = {"location": (np.append(places, at).astype(np.intp), still)}
         if quaternions:
             out["rotation_quaternion"] = (places[quaternions], basis[0, quaternions])

@@ -74,9 +74,8 @@ class Space:
             others = tuple(channel if c.name == channel.name else c for c in definition.channels)
             definition = replace(definition, channels=others)
             binding = bind(definition, self.member.bodies, of_rig(self.ob).variant, cast.missing(self.ob, definition))
-            first = play.prepare(
-                self.member.character, binding.without_followers(), self.member.solver, self.member.limits
-            )
+            own = self.member
+            first = play.prepare(own.character, binding.without_followers(), own.solver, own.limits, own.fixed)
             self.known[channel] = (first, binding.target_of(channel, self.body))
         part, body = self.known[channel]
         return None if body is None else targets.of_body(self.member, part, body, scene_of(), times)

@@ -117,6 +117,20 @@ class Performer:
         override=_OVERRIDABLE,
         update=tell_character,
     )
+    allows_stretch: BoolProperty(
+        name="Allow Stretch",
+        description="Let limbs get longer and shorter to come to goals out of reach, and a spine that bends: up to "
+        "120 % and down to 10 %. Off, bones keep their lengths. Bones that are connected cannot move",
+        override=_OVERRIDABLE,
+        update=tell_character,
+    )
+    avoids_collisions: BoolProperty(
+        name="Avoid Self-Collision",
+        description="Swivel arms and legs out of the trunk, the head and each other; hands and feet stay at their "
+        "goals. Takes longer while keys are edited",
+        override=_OVERRIDABLE,
+        update=tell_character,
+    )
     use_joint_limits: BoolProperty(
         name="Joint Limits",
         description="Turn no bone further than its own limits for inverse kinematics allow, where it has any",

@@ -14,6 +14,7 @@ from . import (
     retargeting,
     rigs,
     selecting,
+    solving,
 )
 
 CLASSES = (
@@ -30,4 +31,5 @@ CLASSES = (
     *channel_presets.CLASSES,
     *performing.CLASSES,
     *jiggling.CLASSES,
+    *solving.CLASSES,
 )

@@ -7,29 +7,12 @@ from bpy.props import EnumProperty, StringProperty
 
 from ...core.errors import MotionError, RigError, listed
 from .. import collect, jiggle_bake
-from ..morph import cast, query
+from ..morph import cast
 from ..morph.jiggle_properties import BONE, KINDS
 from ..properties import of_rig
 from ..rig import pose_of
-from .manners import Status, refuse, reporting, scene_in
+from .manners import Status, active_bone, armature_meant, armature_poll, reporting, scene_in
 from .stepping import Stepping
-
-
-def _armature_poll(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    there = context.scene is not None and any(ob.type == "ARMATURE" for ob in context.scene.objects)
-    return there or refuse(cls, "The scene needs an armature")
-
-
-def _armature_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
-    """Return the armature of a name, else the active one.
-
-    Raises:
-        RigError: There is none.
-    """
-    ob = collect.armature(name, "character") if name else query.active_character(context)
-    if ob is None:
-        raise RigError("no armature is active: select one, or give its name")
-    return ob
 
 
 class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
@@ -47,10 +30,10 @@ class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _armature_poll(cls, context)
+        return armature_poll(cls, context)
 
     def start(self, context: bpy.types.Context) -> Generator[float, None, jiggle_bake.Outcome]:
-        ob = _armature_meant(context, self.character)
+        ob = armature_meant(context, self.character)
         if not self.action and cast.action_of(ob) is not None:
             raise MotionError(
                 f"{ob.name!r} plays a generalized action: switch its jiggles on, and bake the action to have keys"
@@ -77,17 +60,14 @@ class MORPHRETARGET_OT_add_jiggle_settings(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _armature_poll(cls, context)
+        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _armature_meant(context, self.character)
+        ob = armature_meant(context, self.character)
         name = self.bone
         if self.kind == BONE and not name:
-            active = ob.data.bones.active if isinstance(ob.data, bpy.types.Armature) else None
-            if active is None:
-                raise RigError(f"no bone of {ob.name!r} is active: select one in Pose mode, or give its name")
-            name = active.name
+            name = active_bone(ob)
         if self.kind == BONE and name not in pose_of(ob).bones:
             raise RigError(f"armature {ob.name!r} has no bone {name!r}: choose one that it has")
         of_rig(ob).jiggles.add(self.kind, name)
@@ -104,11 +84,11 @@ class MORPHRETARGET_OT_remove_jiggle_settings(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        return _armature_poll(cls, context)
+        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = _armature_meant(context, self.character)
+        ob = armature_meant(context, self.character)
         own = of_rig(ob).jiggles
         if not 0 <= own.active_override < len(own.overrides):
             raise RigError(f"{ob.name!r} has no such settings: choose some in the list")

@@ -8,7 +8,9 @@ import bpy
 
 from ...core.errors import MorphError, RigError
 from .. import collect
+from ..morph import query
 from ..properties import of_scene
+from ..rig import armature_of
 
 Status = set[str]
 
@@ -63,6 +65,36 @@ def pair_poll(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool
     if settings.source is None or settings.target is None:
         return refuse(cls, f"Choose a {'source' if settings.source is None else 'target'} first")
     return settings.source != settings.target or refuse(cls, "Source and target are the same armature")
+
+
+def armature_poll(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Return whether the scene has an armature."""
+    there = context.scene is not None and any(ob.type == "ARMATURE" for ob in context.scene.objects)
+    return there or refuse(cls, "The scene needs an armature")
+
+
+def armature_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
+    """Return the armature of a name, else the active character.
+
+    Raises:
+        RigError: There is none.
+    """
+    ob = collect.armature(name, "character") if name else query.active_character(context)
+    if ob is None:
+        raise RigError("no armature is active: select one, or give its name")
+    return ob
+
+
+def active_bone(ob: bpy.types.Object) -> str:
+    """Return the name of the active bone of an armature.
+
+    Raises:
+        RigError: There is none.
+    """
+    active = armature_of(ob).bones.active
+    if active is None:
+        raise RigError(f"no bone of {ob.name!r} is active: select one in Pose mode, or give its name")
+    return active.name
 
 
 def refuse(cls: type[bpy.types.Operator], reason: str) -> bool:

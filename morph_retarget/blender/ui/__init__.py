@@ -1,6 +1,15 @@
 """What the window shows: the tab in the 3D viewport's sidebar."""
 
-from . import channel_binding, channel_panels, channel_values, generalized, jiggle_panel, joint_list, panels
+from . import (
+    channel_binding,
+    channel_panels,
+    channel_values,
+    generalized,
+    jiggle_panel,
+    joint_list,
+    panels,
+    solver_panel,
+)
 
 CLASSES = (
     *joint_list.CLASSES,
@@ -9,5 +18,6 @@ CLASSES = (
     *channel_panels.CLASSES,
     *channel_values.CLASSES,
     *channel_binding.CLASSES,
+    *solver_panel.CLASSES,
     *jiggle_panel.CLASSES,
 )

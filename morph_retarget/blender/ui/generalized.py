@@ -180,9 +180,6 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             _draw_variant(row, ob)
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
-            if ob == active:
-                box.prop(of_rig(ob), "bends_spine")
-                box.prop(of_rig(ob), "use_joint_limits")
             told = cast.tell(ob) if query.is_ready(ob) else []
             row.label(text="", icon="ERROR" if ob != active and told else "BLANK1")
             for text in told if ob == active else ():

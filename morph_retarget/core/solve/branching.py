@@ -40,10 +40,18 @@ class Stem:
     """Lengths of the limbs beyond when they are stretched [m], shape (goal,) …"""
     least: Array
     """… and when they are folded up."""
+    slow_down: Array
+    """Share of their lengths from which on they slow down, shape (goal,)."""
 
     @classmethod
     def of(
-        cls, points: Array, starts: Array, tips: Array, lengths: Sequence[tuple[float, float]], limbs: Limbs
+        cls,
+        points: Array,
+        starts: Array,
+        tips: Array,
+        lengths: Sequence[tuple[float, float]],
+        slow_down: Sequence[float],
+        limbs: Limbs,
     ) -> "Stem":
         """Return a stem.
 
@@ -52,10 +60,11 @@ class Stem:
             starts: Where the limbs beyond start [m], shape (goal, 3).
             tips: The bodies that have the goals [m], shape (goal, 3).
             lengths: Of the limbs beyond, stretched and folded up [m].
+            slow_down: Share of these from which on they slow down.
             limbs: The chain through the points to the middle of the tips.
         """
         full, least = np.array(lengths).T
-        return cls(limbs, starts - points[-1], tips - points[-1], full, least)
+        return cls(limbs, starts - points[-1], tips - points[-1], full, least, np.array(slow_down))
 
     @cached_property
     def lead(self) -> Array:
@@ -65,7 +74,7 @@ class Stem:
     @cached_property
     def reach(self) -> Array:
         """Up to where the limbs beyond reach their goals without slowing down [m], shape (goal,)."""
-        return np.maximum(self.chain.settings.slow_down * self.full, quat.length(self.tips - self.starts))
+        return np.maximum(self.slow_down * self.full, quat.length(self.tips - self.starts))
 
     @cached_property
     def faint(self) -> Array:
@@ -86,9 +95,10 @@ def solve(stem: Stem, goals: Array, weights: Array) -> Array:
     # Of one goal as much as it counts; of several their mean, whatever other ones rest.
     target = stem.chain.segments[0].sum(axis=0) + np.matmul((weights * weights / total)[:, None], ways)[:, 0]
     share = weights / total
-    turned = _turned(stem, target, goals, share)
+    influence = weights.max(axis=-1, keepdims=True)
+    turned = _turned(stem, target, goals, share, influence)
     for _ in range(FOLLOWS):
-        end, body = _last(stem, turned)
+        end, body = last(stem, turned)
         away = goals - end[:, None] - rotation.apply(body[:, None], stem.starts)
         distance = quat.length(away)
         error = np.maximum(distance - stem.reach, 0.0) + np.minimum(distance - stem.least, 0.0)
@@ -96,19 +106,19 @@ def solve(stem: Stem, goals: Array, weights: Array) -> Array:
             break
         short = (weights * error / np.maximum(distance, TINY))[..., None] * away
         target = target + EAGER * constraints.together(short)
-        turned = _turned(stem, target, goals, share)
+        turned = _turned(stem, target, goals, share, influence)
     return turned
 
 
-def _turned(stem: Stem, target: Array, goals: Array, share: Array) -> Array:
+def _turned(stem: Stem, target: Array, goals: Array, share: Array, influence: Array) -> Array:
     """Return how the joints turn to bring the middle of the tips to a place, the last one with its twist."""
-    turned = limb_phase.solve(stem.chain, target[:, None])
-    end, body = _last(stem, turned)
+    turned = limb_phase.solve(stem.chain, target[:, None], influence)
+    end, body = last(stem, turned)
     turned[:, 0, -1] = np.matmul(_twisted(stem, body, goals - end[:, None], share), body)
     return turned
 
 
-def _last(stem: Stem, turned: Array) -> tuple[Array, Array]:
+def last(stem: Stem, turned: Array) -> tuple[Array, Array]:
     """Return where the last joint of a stem is, shape (frame, 3), and how its body is turned, shape (frame, 3, 3)."""
     turned = turned[:, 0]
     return rotation.apply(turned[:, :-1], stem.chain.segments[0, :-1]).sum(axis=1), turned[:, -1]

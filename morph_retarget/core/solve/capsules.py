@@ -83,9 +83,14 @@ class Capsules:
         )
 
     @cached_property
+    def carriers(self) -> list[int]:
+        """The bodies that carry them."""
+        return [int(body) for body in self.bodies]
+
+    @cached_property
     def radius_of(self) -> Mapping[int, float]:
         """Radius of each body that carries a capsule [m]."""
-        return dict(zip(self.bodies.tolist(), self.radii.tolist(), strict=True))
+        return dict(zip(self.carriers, self.radii.tolist(), strict=True))
 
 
 def clearances(points: Array, radii: Array, rooted: Array, others: Capsules, margin: float) -> Array:

@@ -1,10 +1,11 @@
 """The collision phase: limbs swivel out of the trunk, the head and each other, as far as that can help.
 
 A limb of two joints or more may turn as a whole about the line from where it starts to where it ends: bones keep their
-lengths and the end its place. So there is one unknown for each limb. It sets out from what the limb phase has found for
-the very frame and goes a fixed number of steps down a penalty that is smooth in the pose, so a pose depends on the goals
-of its frame alone, and on these without jumps. To choose the best of several angles instead would be to jump from one to
-another.
+lengths and the end its place. So there is one unknown for each limb. What is known is what the limb phase has found for
+the very frame, so a pose depends on the goals of its frame alone. It has to follow them without jumps, too, where to
+choose the best of several angles would be to jump from one to another. So a limb looks around first, at a fan of
+angles, and sets out from their mean, in which each counts the more the better it is. From there it goes a fixed number
+of steps down a penalty that is smooth in the pose.
 
 The penalty is that of beads on the bones, by how deep each lies in each capsule: how near a whole bone is to a capsule
 has a kink where the two are parallel. Steps are those of Gauss and Newton, damped by how much the penalty is bent, so
@@ -26,22 +27,34 @@ from .settings import SolverSettings
 
 BEADS = 4
 """On each bone; one at its end, none where it starts."""
-STEPS = 8
+FAN = 4
+"""Angles to either side that a limb looks at."""
+COST = 2.0
+"""Of a swivel, a radian squared, in beads that lie on the axis of a capsule."""
+EVEN = 0.3
+"""Angles whose costs differ by this share of what can be gained still count one against the other."""
+LITTLE = 0.5
+"""What can be gained, in beads, while a limb sets out half of the way to what it has found."""
+STEPS = 7
 HASTE = 0.3
 """Most by which a step leads away from a ridge of the penalty, as a share of how far it is from there."""
 EFFORT = 0.3
-"""Damping of all steps, so that limbs do not swivel far for next to nothing, such as those that are stretched."""
+"""Damping of all steps, so that a limb does not swivel far for next to nothing …"""
+STIFFNESS = 2.0
+"""… and that by each bead, the more the deeper it lies: some lie there however their limb swivels."""
 SOFT = 0.2
 """Depth up to which beads count less, the less the less: limbs that only just touch do not start with a jerk."""
+STRIDE = 0.12
+"""Most that a limb swivels in a step [rad]."""
 SHORT, LONG = 0.02, 0.15
-"""A limb whose end comes as near to its start as these shares of its length swivels less, and not at all."""
+"""A limb whose end comes as near to its start as these shares of its length swivels not at all, and less."""
 BLOCK = 1 << 16
 """Beads are compared with capsules in blocks of frames, about so many at a time."""
 
 
 @dataclass(frozen=True, eq=False)
-class Swivels:
-    """Limbs that are solved together, and what they keep out of. Bones are counted through all of the limbs."""
+class Obstacles:
+    """What limbs that are solved together keep out of. Bones are counted through all of the limbs."""
 
     segments: Array
     """From each joint to the next, the last one to the end, at rest [m], shape (limb, joint, 3)."""
@@ -65,7 +78,7 @@ class Swivels:
         around: Capsules,
         radii: Sequence[Sequence[float]],
         settings: SolverSettings,
-    ) -> "Swivels | None":
+    ) -> "Obstacles | None":
         """Return what the limbs of a wave keep out of, None when there is nothing.
 
         Args:
@@ -86,10 +99,10 @@ class Swivels:
             rooted[i, place.start] = True
         starts, along, thick = starts.reshape(-1, 3), segments.reshape(-1, 3), thick.ravel()
         points = starts[:, None] + np.linspace(0.0, 1.0, BEADS + 1)[:, None] * along[:, None]
-        everything = around.and_(Capsules(np.arange(count * most), starts, starts + along, thick))
+        everything = around.and_(Capsules(np.arange(count * most, dtype=np.intp), starts, starts + along, thick))
         clear = thickness.clearances(points, thick, rooted.ravel(), everything, settings.margin)[..., 1:]
         clear[~swivels.ravel()] = 0.0
-        limb = np.repeat(np.arange(count), most)
+        limb = np.repeat(np.arange(count, dtype=np.intp), most)
         clear[:, len(around.bodies) :][limb[:, None] == limb] = 0.0
         bones, others = np.nonzero((clear > TINY).any(axis=-1))
         if not len(bones):
@@ -103,146 +116,171 @@ class Swivels:
         return np.maximum(quat.length(self.segments).sum(axis=-1), TINY)
 
     @cached_property
+    def limb(self) -> Indices:
+        """Limb of each pair, shape (pair,)."""
+        return self.bones // self.segments.shape[1]
+
+    @cached_property
+    def limbs(self) -> tuple[Indices, Indices]:
+        """Limbs that have pairs, and where the pairs of each begin."""
+        found, begin = np.unique(self.limb, return_index=True)
+        return found, begin.astype(np.intp)
+
+    @cached_property
     def shared(self) -> Array:
         """2 for pairs of which both may give way, else 1, shape (pair,)."""
         movable = np.isin(self.others - len(self.around.bodies), self.bones)
         return np.where(movable, 2.0, 1.0)
 
-    @cached_property
-    def limbs(self) -> tuple[Indices, Indices]:
-        """Limbs that have pairs, and where the pairs of each begin."""
-        found, begin = np.unique(self.bones // self.segments.shape[1], return_index=True)
-        return found.astype(np.intp), begin.astype(np.intp)
 
-
-def free(swivels: Swivels, starts: Array, turned: Array, around: tuple[Array, Array]) -> Array:
+def free(obstacles: Obstacles, starts: Array, turned: Array, around: tuple[Array, Array]) -> Array:
     """Return how the joints of limbs are turned out of what they keep out of, their ends where they were.
 
-    Frames without collisions stay as they are to the bit.
+    Limbs that do not collide stay as they are to the bit.
 
     Args:
-        swivels: The limbs.
+        obstacles: What they keep out of.
         starts: Where they start [m], shape (frame, limb, 3).
         turned: How their joints are turned, shape (frame, limb, joint, 3, 3).
         around: Starts and ends of the axes around [m], shapes (frame, capsule, 3).
     """
-    size = max(BLOCK // (BEADS * len(swivels.bones)), 1)
-    out = turned
+    size, out = max(BLOCK // (BEADS * len(obstacles.bones)), 1), turned
     for first in range(0, len(turned), size):
-        rows = slice(first, first + size)
-        here = _Frames.of(swivels, starts[rows], turned[rows], (around[0][rows], around[1][rows]))
-        hit = here.collides(swivels)
-        if not hit.any():
+        rows = np.arange(first, min(first + size, len(turned)))
+        hit = rows[_Frames.of(obstacles, starts[rows], turned[rows], around[0][rows], around[1][rows]).collide()]
+        if not len(hit):
             continue
-        here = here.take(hit)
-        turns = _rotations(here.axes, _angles(swivels, here))
+        frames = _Frames.of(obstacles, starts[hit], turned[hit], around[0][hit], around[1][hit])
+        angles = frames.angles()
+        turns = quat.to_matrix(quat.from_axis_angle(frames.axes, angles))
+        own = turns[:, :, None] @ turned[hit]
         out = turned.copy() if out is turned else out
-        out[rows][hit] = np.where(
-            (turns != rotation.IDENTITY).any(axis=(-2, -1))[:, :, None, None, None],
-            turns[:, :, None] @ turned[rows][hit],
-            turned[rows][hit],
-        )
+        out[hit] = np.where((angles != 0.0)[..., None, None, None], own, turned[hit])
     return out
 
 
 @dataclass(frozen=True, eq=False)
 class _Frames:
-    """Limbs before they swivel: points on them along the axis of the swivel, square to it, and square to both [m]."""
+    """Limbs before they swivel."""
 
+    obstacles: Obstacles
     starts: Array
-    """Shape (frame, limb, 3)."""
-    axes: Array
-    """Unit vectors from start to end, shape (frame, limb, 3)."""
-    gains: Array
-    """How much limbs swivel: 1, less where start and end all but coincide, shape (frame, limb)."""
-    parts: tuple[Array, Array, Array]
-    """Of the joints and the end, shapes (frame, limb, joint + 1, 3)."""
-    around: tuple[Array, Array]
-    """Starts and ends of the axes around [m], shapes (frame, capsule, 3)."""
+    """[m], shape (frame, limb, 3)."""
+    points: Array
+    """Joints and end, from the start [m], shape (frame, limb, joint + 1, 3)."""
+    first: Array
+    """Starts of the axes around [m], shape (frame, capsule, 3) …"""
+    last: Array
+    """… and their ends."""
 
     @classmethod
-    def of(cls, swivels: Swivels, starts: Array, turned: Array, around: tuple[Array, Array]) -> "_Frames":
+    def of(cls, obstacles: Obstacles, starts: Array, turned: Array, first: Array, last: Array) -> "_Frames":
         points = np.zeros((*turned.shape[:2], turned.shape[2] + 1, 3))
-        points[:, :, 1:] = np.cumsum(rotation.apply(turned, swivels.segments), axis=2)
-        away = points[:, :, -1]
-        axes = quat.unit(away)
-        along = quat.dot(points, axes[:, :, None])[..., None] * axes[:, :, None]
-        aside = points - along
-        gains = smooth_step(quat.length(away) / swivels.full, SHORT, LONG)
-        return cls(starts, axes, gains, (along, aside, quat.cross(axes[:, :, None], aside)), around)
+        points[:, :, 1:] = np.cumsum(rotation.apply(turned, obstacles.segments), axis=2)
+        return cls(obstacles, starts, points, first, last)
 
-    def take(self, chosen: Flags) -> "_Frames":
-        along, aside, square = (part[chosen] for part in self.parts)
-        return _Frames(
-            self.starts[chosen],
-            self.axes[chosen],
-            self.gains[chosen],
-            (along, aside, square),
-            (self.around[0][chosen], self.around[1][chosen]),
-        )
+    @cached_property
+    def axes(self) -> Array:
+        """Unit vectors from start to end, shape (frame, limb, 3)."""
+        return quat.unit(self.points[:, :, -1])
 
-    def swivelled(self, angles: Array) -> tuple[Array, Array, Array]:
-        """Return where joints and ends are, and where they go as the angles grow, (frame, limb, joint + 1, 3)."""
-        along, aside, square = self.parts
-        cosine, sine = np.cos(angles)[..., None, None], np.sin(angles)[..., None, None]
-        now = cosine * aside + sine * square
-        return self.starts[:, :, None] + along + now, cosine * square - sine * aside, now
+    @cached_property
+    def gains(self) -> Array:
+        """How much limbs swivel: 1, less where start and end all but coincide, shape (frame, limb)."""
+        return smooth_step(quat.length(self.points[:, :, -1]) / self.obstacles.full, SHORT, LONG)
 
-    def depths(self, swivels: Swivels, angles: Array) -> tuple[Array, Array, Array]:
-        """Return how deep beads lie in capsules, how that grows as they swivel, and how far these move (squared).
+    @cached_property
+    def parts(self) -> tuple[Array, Array, Array]:
+        """The points along the axis of the swivel, square to it and square to both, shapes as that of the points."""
+        axes = self.axes[:, :, None]
+        along = quat.dot(self.points, np.broadcast_to(axes, self.points.shape))[..., None] * axes
+        aside = self.points - along
+        return self.starts[:, :, None] + along, aside, quat.cross(axes, aside)
 
-        0 at the surface and 1 on the axis, smooth in between; shapes (frame, pair, bead). What moves and how fast is
-        told in clearances of the pair.
+    @cached_property
+    def beads(self) -> tuple[Array, Array, Array]:
+        """The same of the beads of each pair, shapes (frame, pair, bead, 3)."""
+        along, aside, square = (_strung(part)[:, self.obstacles.bones] for part in self.parts)
+        return along, aside, square
+
+    def angles(self) -> Array:
+        """Return by how much limbs swivel [rad], shape (frame, limb)."""
+        own = self.obstacles
+        angles, (found, begin) = self.outlook(), own.limbs
+        for _ in range(STEPS):
+            depth, slope, bend = self.depths(angles)
+            counts = depth / (depth + SOFT)
+            # Where the penalty bends away from a ridge it is damped more than where it bends into a valley.
+            stiff = depth * (np.maximum(-bend / HASTE, bend) + STIFFNESS)
+            pull = (counts * slope * depth).sum(axis=-1)
+            hold = own.shared * (counts * (slope * slope + stiff)).sum(axis=-1)
+            pull, hold = (np.add.reduceat(v, begin, axis=1) for v in (pull, hold))
+            step = np.clip(pull / (hold + EFFORT), -STRIDE, STRIDE)
+            angles[:, found] = np.clip(angles[:, found] - self.gains[:, found] * step, -own.most, own.most)
+        return angles
+
+    def outlook(self) -> Array:
+        """Return by how much limbs swivel to where they set out from [rad], shape (frame, limb)."""
+        own = self.obstacles
+        still, (found, begin) = np.zeros(self.gains.shape), own.limbs
+        fan = own.most * np.linspace(-1.0, 1.0, 2 * FAN + 1)
+        costs = np.empty((len(fan), len(still), len(found)))
+        for i, angle in enumerate(fan):
+            depth, _, _ = self.depths(still + angle, still)
+            costs[i] = np.add.reduceat((depth * depth).sum(axis=-1), begin, axis=1) + COST * angle * angle
+        least = costs.min(axis=0)
+        gain = costs[FAN] - least
+        weights = np.exp((least - costs) / np.maximum(EVEN * gain, TINY))
+        mean = (fan[:, None, None] * weights).sum(axis=0) / weights.sum(axis=0)
+        still[:, found] = self.gains[:, found] * gain / (gain + LITTLE) * mean
+        return still
+
+    def collide(self) -> Flags:
+        """Return in which frames anything does, shape (frame,)."""
+        depth, _, _ = self.depths(np.zeros(self.gains.shape))
+        return np.any(depth > 0.0, axis=(1, 2))
+
+    def depths(self, angles: Array, others: Array | None = None) -> tuple[Array, Array, Array]:
+        """Return how deep beads lie in capsules and how that changes as limbs swivel, shapes (frame, pair, bead).
+
+        From 0 at the surface to 1 on the axis; its first derivative by the angle; and its second, as it is where a
+        capsule goes on for ever, lest it jumps where one ends. ``others`` are the angles of the limbs that are in the
+        way, if not the same.
         """
-        places, moves, aside = self.swivelled(angles)
-        beads, ways, turn = (_beads(v)[:, swivels.bones] for v in (places, moves, aside))
-        starts, ends = (
-            np.concatenate([fixed, _by_bone(own)], axis=1)
-            for fixed, own in zip(self.around, (places[:, :, :-1], places[:, :, 1:]), strict=True)
+        own = self.obstacles
+        first, last = self._axes_at(angles if others is None else others)
+        start = first[:, own.others, None]
+        axis = last[:, own.others, None] - start
+        along, aside, square = self.beads
+        cosine, sine = _turns(angles[:, own.limb])
+        lever, move = cosine * aside + sine * square, cosine * square - sine * aside
+        away = along + lever - start
+        share = quat.dot(away, axis) / np.maximum(quat.dot(axis, axis), TINY)
+        away = away - np.minimum(np.maximum(share, 0.0), 1.0)[..., None] * axis
+        scale = own.clear**-2
+        depth = np.maximum(1.0 - scale * quat.dot(away, away), 0.0)
+        slope = np.where(depth > 0.0, -2.0 * scale * quat.dot(away, move), 0.0)
+        return depth, slope, 2.0 * scale * (quat.dot(away, lever) - quat.dot(move, move))
+
+    def _axes_at(self, angles: Array) -> tuple[Array, Array]:
+        """Return starts and ends of the axes of all capsules when limbs have swivelled [m], (frame, capsule, 3)."""
+        along, aside, square = self.parts
+        cosine, sine = _turns(angles)
+        places = along + cosine * aside + sine * square
+        bones = (len(places), -1, 3)
+        return (
+            np.concatenate([self.first, places[:, :, :-1].reshape(bones)], axis=1),
+            np.concatenate([self.last, places[:, :, 1:].reshape(bones)], axis=1),
         )
-        from_ = starts[:, swivels.others, None]
-        along = ends[:, swivels.others, None] - from_
-        away = beads - from_
-        share = np.clip(quat.dot(away, along) / np.maximum(quat.dot(along, along), TINY), 0.0, 1.0)
-        away = (away - share[..., None] * along) / swivels.clear[..., None]
-        ways, turn = ways / swivels.clear[..., None], turn / swivels.clear[..., None]
-        depth = np.maximum(1.0 - quat.dot(away, away), 0.0)
-        bent = 2.0 * (quat.dot(ways, ways) - quat.dot(away, turn))
-        return depth, -2.0 * quat.dot(away, ways) * (depth > 0.0), bent
-
-    def collides(self, swivels: Swivels) -> Flags:
-        """Return in which frames anything collides, shape (frame,)."""
-        depth, _, _ = self.depths(swivels, np.zeros(self.gains.shape))
-        return depth.any(axis=(1, 2))
 
 
-def _angles(swivels: Swivels, frames: _Frames) -> Array:
-    """Return by how much limbs swivel [rad], shape (frame, limb)."""
-    angles = np.zeros(frames.gains.shape)
-    found, begin = swivels.limbs
-    for _ in range(STEPS):
-        depth, slope, bent = frames.depths(swivels, angles)
-        bent = depth * np.maximum(bent / HASTE, -bent)
-        counts = depth / (depth + SOFT)
-        pull = (counts * slope * depth).sum(axis=-1)
-        hold = swivels.shared * (counts * (slope * slope + bent)).sum(axis=-1)
-        pull, hold = (np.add.reduceat(v, begin, axis=1) for v in (pull, hold))
-        angles[:, found] -= frames.gains[:, found] * pull / (hold + EFFORT)
-        angles = np.clip(angles, -swivels.most, swivels.most)
-    return angles
+def _turns(angles: Array) -> tuple[Array, Array]:
+    """Return cosines and sines for what has two more axes than the angles."""
+    return np.cos(angles)[..., None, None], np.sin(angles)[..., None, None]
 
 
-def _rotations(axes: Array, angles: Array) -> Array:
-    """Return rotations about unit vectors, shape (..., 3, 3); the identity to the bit for no angle."""
-    return quat.to_matrix(quat.from_axis_angle(axes, angles))
-
-
-def _by_bone(points: Array) -> Array:
-    """Return what limbs have for each joint, for the bones of all limbs, shape (frame, bone, 3)."""
-    return points.reshape(len(points), -1, 3)
-
-
-def _beads(points: Array) -> Array:
-    """Return what belongs to the beads between joints, shape (frame, bone, bead, 3)."""
-    starts, ends = _by_bone(points[:, :, :-1])[:, :, None], _by_bone(points[:, :, 1:])[:, :, None]
-    return starts + np.arange(1, BEADS + 1)[:, None] / BEADS * (ends - starts)
+def _strung(points: Array) -> Array:
+    """Return what beads have between joints, (frame, limb, joint + 1, 3) to (frame, bone, bead, 3)."""
+    starts, steps = points[:, :, :-1, None], np.diff(points, axis=2)[:, :, :, None]
+    beads = starts + np.linspace(1.0 / BEADS, 1.0, BEADS)[:, None] * steps
+    return beads.reshape(len(points), -1, BEADS, 3)

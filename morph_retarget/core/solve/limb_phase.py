@@ -16,9 +16,9 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array, Indices
-from . import closing, constraints
+from . import closing, constraints, swivel
 from .constraints import TINY
-from .settings import DEFAULT, SolverSettings
+from .limb_settings import LimbSettings
 
 STRAIGHT = np.radians(3.0)
 """A limb whose joints all bend less than this at rest bends the way of its hint …"""
@@ -28,6 +28,10 @@ SAMPLES = 257
 """Distances from the shortest to the rest, and from there to the longest."""
 MISSED = 1e-5
 """Share of a limb's length by which a distance may be missed."""
+BENDS = 0.8
+"""Share of its rest line to which a limb is bent, to see which way it does."""
+GIVES_WAY = 0.15
+"""Share of a bone's length by which one correction of a neighbour changes it at most."""
 LEAN = 1.0
 """How far the bones of a straight limb lean for a way that has vanished altogether, as the tangent of the angle."""
 
@@ -40,16 +44,34 @@ class Limbs:
     """From each joint to the next, the last one to the end [m], shape (limb, joint, 3); 0 where there is none."""
     hints: Array
     """Where the joints of straight limbs move when these bend, unit vectors or 0, shape (limb, 3)."""
-    settings: SolverSettings
+    settings: tuple[LimbSettings, ...]
+    """Of each limb."""
+    sides: Indices
+    """+1 left, -1 right, 0 in the middle, shape (limb,)."""
 
     @classmethod
-    def of(cls, points: Sequence[Array], hints: Sequence[Array], settings: SolverSettings = DEFAULT) -> "Limbs":
-        """Return limbs through points, each joint and then the end, shapes (joint + 1, 3)."""
+    def of(
+        cls,
+        points: Sequence[Array],
+        hints: Sequence[Array],
+        settings: Sequence[LimbSettings] | None = None,
+        sides: Sequence[int] | None = None,
+    ) -> "Limbs":
+        """Return limbs.
+
+        Args:
+            points: Of each one its joints and then its end, shapes (joint + 1, 3).
+            hints: Where the joints of straight limbs move when these bend, shapes (3,).
+            settings: Of each one, those of any limb when left out.
+            sides: +1 left, -1 right, 0 in the middle, as all are when left out.
+        """
         most = max(len(p) for p in points) - 1
         segments = np.zeros((len(points), most, 3))
         for i, own in enumerate(points):
             segments[i, most + 1 - len(own) :] = np.diff(own, axis=0)
-        return cls(segments, np.array(hints), settings)
+        count = len(points)
+        own_sides: Indices = np.array([0] * count if sides is None else sides, dtype=np.intp)
+        return cls(segments, np.array(hints), tuple(settings or [LimbSettings()] * count), own_sides)
 
     @cached_property
     def lengths(self) -> Array:
@@ -112,8 +134,20 @@ class Limbs:
     @cached_property
     def _slowing(self) -> tuple[Array, Array]:
         """From where on limbs slow down, and how far they get from there [m], shapes (limb,)."""
-        soft = np.maximum(self.settings.slow_down * self.full, self.chords)
-        return soft, np.maximum(self.settings.full_reach * self.full - soft, 1e-9 * self.full)
+        slow_down, full_reach = np.array([(own.slow_down, own.full_reach) for own in self.settings]).T
+        soft = np.maximum(slow_down * self.full, self.chords)
+        return soft, np.maximum(full_reach * self.full - soft, 1e-9 * self.full)
+
+    @cached_property
+    def room(self) -> Array:
+        """Largest correction of a bone that takes no neighbour further than it may go [m], (limb, joint).
+
+        One that is far shorter than its neighbours would be turned over by these.
+        """
+        none = np.full((len(self.lengths), 1), np.inf)
+        room = np.where(self.lengths > TINY, GIVES_WAY * self.lengths, np.inf)
+        sides = np.stack([np.append(none, room[:, :-1], axis=1), np.append(room[:, 1:], none, axis=1)], axis=-1)
+        return np.where(self.gives > 0.0, sides / np.maximum(self.gives, TINY), np.inf).min(axis=-1)
 
     def reachable(self, away: Array) -> Array:
         """Return distances within reach, shape (frame, limb).
@@ -149,6 +183,15 @@ class Limbs:
         return Shapes.of(self)
 
     @cached_property
+    def swivels(self) -> Array | None:
+        """Turns about the lines from start to end [rad], shape (limb,), None when there are none."""
+        angles = np.radians([own.swivel for own in self.settings])
+        if not angles.any():
+            return None
+        bones = self.lengths[..., None] * self.shapes.at(BENDS * self.chords[None])[0]
+        return swivel.outward(bones, self.lines, self.hints, self.sides) * angles
+
+    @cached_property
     def _half_turns(self) -> Array:
         return rotation.half_turn(self.directions)
 
@@ -161,19 +204,35 @@ class Limbs:
         return np.matmul(rotation.half_turn(between), self._half_turns)
 
 
-def solve(limbs: Limbs, goals: Array) -> Array:
+def solve(limbs: Limbs, goals: Array, influence: Array | float = 1.0) -> Array:
     """Return how each joint turns from where it is carried, to bring the ends to their goals.
 
     Args:
         limbs: The limbs.
         goals: From where each limb starts, in the frame of what carries it [m], shape (frame, limb, 3).
+        influence: Share of their swivels that limbs take, shape (frame, limb).
 
     Returns:
         Rotation matrices, shape (frame, limb, joint, 3, 3).
     """
     directions = limbs.shapes.at(limbs.reachable(quat.length(goals)))
-    ends = (limbs.lengths[..., None] * directions).sum(axis=-2)
-    aim = np.matmul(limbs.half_way(goals), limbs.half_way(ends))
+    return aimed(limbs, goals, directions, (limbs.lengths[..., None] * directions).sum(axis=-2), influence)
+
+
+def aimed(limbs: Limbs, goals: Array, directions: Array, ends: Array, influence: Array | float) -> Array:
+    """Return how joints turn that give bones directions, and then lead the ends to where the goals are.
+
+    Args:
+        limbs: The limbs.
+        goals: See `solve`.
+        directions: Of the bones, unit vectors, shape (frame, limb, joint, 3).
+        ends: Where the bones lead [m], shape (frame, limb, 3).
+        influence: See `solve`.
+    """
+    aim = limbs.half_way(ends)
+    if limbs.swivels is not None:  # here the ends are on the rest lines
+        aim = np.matmul(quat.to_matrix(quat.from_axis_angle(limbs.lines, influence * limbs.swivels)), aim)
+    aim = np.matmul(limbs.half_way(goals), aim)
     return np.matmul(aim[:, :, None], limbs.turns(directions))
 
 
@@ -242,7 +301,7 @@ class Shapes:
 
 def _solved(limbs: Limbs, distance: Array) -> Array:
     """Return the directions of bones that the particles find for distances, shape (frame, limb, joint, 3)."""
-    shape = _enforced(limbs, _aimed(limbs, distance), limbs.settings)
+    shape = _enforced(limbs, _aimed(limbs, distance))
     return closing.close(shape, limbs.lengths, limbs.lines[None], distance)
 
 
@@ -258,18 +317,22 @@ def _aimed(limbs: Limbs, distance: Array) -> Array:
     return scaled + lean[..., None, None] * limbs.leans
 
 
-def _enforced(limbs: Limbs, segments: Array, settings: SolverSettings) -> Array:
+def _enforced(limbs: Limbs, segments: Array) -> Array:
     """Return the directions of bones whose lengths have been enforced, from the end inward, several times."""
     count = segments.shape[-2]
-    lengths, width = limbs.lengths, settings.softness * np.maximum(limbs.lengths, TINY)
+    softness = np.array([own.softness for own in limbs.settings])
+    turns = np.array([own.outer_iterations for own in limbs.settings])
+    lengths, width = limbs.lengths, softness[:, None] * np.maximum(limbs.lengths, TINY)
     # Particles are held as the bones between them: to move one is to lengthen the bone before it and shorten the next.
     bones = [segments[..., i, :] for i in range(count)]
-    for _ in range(settings.outer_iterations if count > 1 else 0):
+    for turn in range(turns.max() if count > 1 else 0):
         for i in range(count - 1, -1, -1):
             distance = quat.length(bones[i])
             share = constraints.softened(distance - lengths[:, i], width[:, i]) / np.maximum(distance, TINY)
-            change = share[..., None] * bones[i]
             rootward, leafward = limbs.gives[:, i, 0, None], limbs.gives[:, i, 1, None]
+            most = limbs.room[:, i] / np.maximum(np.abs(share) * distance, TINY)
+            change = (np.minimum(most, 1.0) * share)[..., None] * bones[i]
+            change = np.where((turn < turns)[:, None], change, 0.0)
             bones[i] = bones[i] - (rootward + leafward) * change
             if i > 0:
                 bones[i - 1] = bones[i - 1] + rootward * change

@@ -7,7 +7,7 @@ step that would leave the range goes up to its edge, and the other joints make u
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import cast
 
@@ -115,7 +115,7 @@ class LimitedLimbs:
         return LimitedLimbs(self.limits[limbs], self.axes[limbs], self.segments[limbs], self.there[limbs])
 
 
-def hold(limbs: LimitedLimbs, carried: Array, turned: Array) -> Array:
+def hold(limbs: LimitedLimbs, carried: Array, turned: Array, factors: Array | None = None) -> Array:
     """Return how the joints of limbs are turned within their limits, their ends where they were if these allow it.
 
     Limbs within their limits stay as they are to the bit.
@@ -124,6 +124,7 @@ def hold(limbs: LimitedLimbs, carried: Array, turned: Array) -> Array:
         limbs: The limbs and their limits.
         carried: How what carries each limb is turned, shape (frame, limb, 3, 3).
         turned: How the joints are turned, shape (frame, limb, joint, 3, 3).
+        factors: By what factors bones are longer than at rest, shape (frame, limb, joint), None where none is.
     """
     carrier = carried[:, :, None]
     own = np.where(limbs.there[..., None, None], rotation.transposed(carrier) @ turned, rotation.IDENTITY)
@@ -134,6 +135,8 @@ def hold(limbs: LimitedLimbs, carried: Array, turned: Array) -> Array:
     if not len(frames):
         return turned
     chosen = limbs.take(places)
+    if factors is not None:
+        chosen = replace(chosen, segments=factors[frames, places][..., None] * chosen.segments)
     ends = rotation.apply(own[frames, places], chosen.segments).sum(axis=-2)
     solved = _solved(chosen, turns[frames, places], ends)
     out = turned.copy()

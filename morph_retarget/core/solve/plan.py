@@ -8,11 +8,12 @@ import numpy as np
 
 from ..arrays import Array, Indices
 from .branching import Stem
-from .collision import Swivels
+from .collision import Obstacles
 from .limb_phase import Limbs
 from .limit_phase import Limited, LimitedLimbs
 from .settings import DEFAULT, SolverSettings
 from .spine import Spine
+from .stretching import Elastic
 
 NONE = -1
 
@@ -47,8 +48,10 @@ class Wave:
     """What the only one of the limbs is, if several goals share it."""
     limited: LimitedLimbs | None = None
     """Limits of their joints, None when there are none."""
-    swivels: Swivels | None = None
+    obstacles: Obstacles | None = None
     """What they keep out of, None when there is nothing."""
+    elastic: Elastic | None = None
+    """What of them may stretch, None when nothing may."""
 
     @cached_property
     def joints(self) -> list[tuple[int, int, int]]:
@@ -86,6 +89,14 @@ class Trunk:
     """Goals of the limbs that pull, in the order of the spine's pulls."""
     last: int
     """The body at the last branch point, NONE when it is where a bone ends."""
+
+    @cached_property
+    def drawn(self) -> dict[int, int]:
+        """Bodies whose joints move when bones of the spine stretch, and the places of these bones among its joints."""
+        if self.spine.free is None:
+            return {}
+        ends = (*self.joints[1:], self.last)
+        return {body: i for i, body in enumerate(ends) if self.spine.free[i] and body != NONE}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +142,10 @@ class Plan:
     """What may move the root, None when nothing may."""
     limited: Limited | None = None
     """Limits of the leaders' turns, None when there are none."""
+    stretched: tuple[int, ...] = ()
+    """Leaders whose joints move off where they are held when bones stretch."""
+    stiff: tuple[int, ...] = ()
+    """Bodies that cannot, so that limbs and pieces of the spine keep their lengths."""
 
     @cached_property
     def led_by(self) -> Indices:
@@ -144,6 +159,12 @@ class Plan:
         if self.trunk is not None and any(pin.owner == body for pin in self.trunk.pins):
             return self.trunk.joints
         return next((limb.path for wave in self.waves for limb in wave.limbs if limb.body == body), ())
+
+    @cached_property
+    def ends(self) -> tuple[int, ...]:
+        """Bodies that limbs end with, which is what their settings are called by; from the trunk outward."""
+        found = [wave.limbs[0].joints[-1:] if wave.stem else [limb.body for limb in wave.limbs] for wave in self.waves]
+        return tuple(dict.fromkeys(body for own in found for body in own))
 
     @cached_property
     def astray(self) -> set[int]:

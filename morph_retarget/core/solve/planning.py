@@ -12,18 +12,22 @@ from itertools import pairwise, takewhile
 import numpy as np
 
 from .. import quat
-from ..arrays import Array
+from ..arrays import Array, Flags
+from ..character import morphology
 from ..character.character import Character
 from ..character.morphology import Capability, LimbKind
+from ..errors import RigError, listed
 from .branching import Stem
 from .capsules import Capsules
-from .collision import Swivels
+from .collision import Obstacles
 from .limb_phase import Limbs
+from .limb_settings import LimbSettings
 from .limit_phase import Limited, LimitedLimbs
 from .limits import JointLimits
 from .plan import NONE, Limb, Nudge, Pin, Plan, Trunk, Wave
 from .settings import DEFAULT, SolverSettings
 from .spine import Pull, Spine
+from .stretching import Elastic
 
 
 def prepare(
@@ -33,6 +37,7 @@ def prepare(
     wanted: Sequence[tuple[int, bool, bool]],
     settings: SolverSettings = DEFAULT,
     limits: JointLimits | None = None,
+    fixed: Collection[int] = (),
 ) -> Plan:
     """Return how goals for some bodies are met.
 
@@ -43,9 +48,17 @@ def prepare(
         wanted: For each goal its body, and whether it has a place and a rotation.
         settings: Of the solver.
         limits: Of all bodies, shapes (body, 3); None when nothing limits them.
+        fixed: Bodies whose joints cannot move off where their parents hold them, whatever may stretch.
+
+    Raises:
+        RigError: A limb has settings that is none of the character.
     """
-    tree = character.skeleton.tree
-    return _Planning(character, rest, root, wanted, settings, limits).plan(tree.order)
+    names, tree = character.skeleton.names, character.skeleton.tree
+    unknown = [name for name in settings.limbs if name not in character.skeleton.index]
+    if unknown:
+        ends = listed(names[body] for body, position, _ in wanted if position)
+        raise RigError(f"solver settings are for {unknown[0]!r}, which is no bone: choose the end of a limb, as {ends}")
+    return _Planning(character, rest, root, wanted, settings, limits, fixed).plan(tree.order)
 
 
 class _Planning:
@@ -57,9 +70,12 @@ class _Planning:
         wanted: Sequence[tuple[int, bool, bool]],
         settings: SolverSettings,
         limits: JointLimits | None,
+        fixed: Collection[int],
     ) -> None:
         self.character, self.rest, self.root, self.settings = character, rest, root, settings
-        self.limits = limits
+        self.limits, self.fixed = limits, fixed
+        self.stiff: list[int] = []
+        """Fixed bodies that keep something from stretching."""
         self.ancestors = character.skeleton.tree.ancestors
         self.turned = {body: i for i, (body, _, rotation) in enumerate(wanted) if rotation}
         places = [(i, body) for i, (body, position, _) in enumerate(wanted) if position and body != root]
@@ -140,7 +156,9 @@ class _Planning:
         trunk = self._trunk_plan()
         joints_ = {j for limb in self.limbs for j in limb.path} | set(trunk.joints if trunk else ())
         level = {limb.body: limb.goal for limb in self.limbs if self._is_foot(limb.body)}
-        driven = {self.root, *self.turned, *level, *joints_, *(limb.body for limb in self.limbs)}
+        waves = tuple(self._waves())
+        pulled = _pulled(trunk, waves)
+        driven = {self.root, *self.turned, *level, *joints_, *(limb.body for limb in self.limbs), *pulled}
         loose = _loose(self.character)
         moving = driven | set(self.character.skeleton.tree.roots) | loose
         order = tuple(outward)
@@ -153,7 +171,7 @@ class _Planning:
             self.rest,
             self.root,
             trunk,
-            tuple(self._waves()),
+            waves,
             self.turned,
             level,
             leaders,
@@ -163,6 +181,8 @@ class _Planning:
             self.settings,
             self._nudge(),
             None if self.limits is None else Limited.of(self.limits, self._axes, leading),
+            pulled,
+            tuple(dict.fromkeys(self.stiff)),
         )
 
     def _branch(self) -> set[int]:
@@ -281,12 +301,13 @@ class _Planning:
                 float(np.linalg.norm(rest[limb.body] - rest[limb.path[0]])),
                 *self._lengths(limb.path, limb.body),
                 self._is_foot(limb.body),
+                self._settings_of(limb.body),
             )
             for (limb, joint), spot in zip(pulled, spots, strict=True)
             if spot > 0 and joint < len(points) - 1
         ]
         return Trunk(
-            Spine(np.array(points), nodes, tuple(pulls), self.settings),
+            Spine(np.array(points), nodes, tuple(pulls), self.settings, self._free(nodes)),
             line[: len(points) - 1],
             tuple(
                 replace(pin, node=place[pin.node], offset=rest[pin.owner] - points[pin.node])
@@ -301,6 +322,21 @@ class _Planning:
             line[nodes[-1]] if nodes[-1] < len(line) else NONE,
         )
 
+    def _free(self, nodes: Sequence[int]) -> Flags | None:
+        """Return which bones of the line may stretch, shape (joint,), None when none may.
+
+        What hangs on the last body of the line is not moved off it, so that this one keeps its length.
+        """
+        if not self.settings.allows_stretch:
+            return None
+        free = np.zeros(nodes[-1], dtype=np.bool_)
+        for first, last in pairwise(nodes):
+            ends = self.line[first + 1 : last + 1]
+            stiff = [body for body in ends if body in self.fixed]
+            self.stiff += stiff
+            free[first : first + len(ends)] = not stiff
+        return free
+
     def _point(self, own: int, body: int, tip: Sequence[int], where: Mapping[int, int]) -> int:
         """Return the point of the line that is brought to a goal: a tip, or the joint of the body that has the goal."""
         return len(self.line) if body in tip else where[own]
@@ -311,8 +347,13 @@ class _Planning:
         return min(ends, key=lambda p: float(np.linalg.norm(points[p] - start)), default=0)
 
     def _carrier(self, limb: Limb) -> int:
-        """Return the body of the line that carries a limb, NONE when none does."""
-        return next((a for a in self.ancestors[limb.path[0]] if a in self._trunk or a in self._joints_of_limbs), NONE)
+        """Return the body that carries a limb, NONE when none does: of the trunk, one that can turn or the root."""
+        above = iter(self.ancestors[limb.path[0]])
+        first = next((a for a in above if a in self._trunk or a in self._joints_of_limbs), NONE)
+        if first not in self._trunk or first in self.turned:
+            return first
+        # A bone of no length, as rigs have them between neck and shoulders, goes with the one before it.
+        return next((a for a in (first, *above) if a in self.line or a == self.root), first)
 
     @cached_property
     def _joints_of_limbs(self) -> set[int]:
@@ -334,10 +375,11 @@ class _Planning:
                 chains = Limbs.of(
                     [self.rest[[*limb.joints, limb.body]] for limb in ready],
                     [self._hint(limb.body) for limb in ready],
-                    self.settings,
+                    [self._settings_of(limb.body) for limb in ready],
+                    [self._side(limb.body) for limb in ready],
                 )
                 wave = self._wave(ready, chains, [limb.goal for limb in ready])
-                yield replace(wave, swivels=self._swivels(ready, chains, blocked))
+                yield replace(wave, obstacles=self._obstacles(ready, chains, blocked))
             free = [stem for stem in stems if not any(a in blocked for a in self.ancestors[stem[0][0]])]
             yield from (self._stem(*stem) for stem in free)
             limbs = [limb for limb in limbs if limb not in ready]
@@ -348,9 +390,13 @@ class _Planning:
         paths = {limb.body: limb.path for limb in self.limbs}
         beyond = [paths[body][paths[body].index(joints[-1]) + 1 :] for body in bodies]
         points, tips = self.rest[list(joints)], self.rest[list(bodies)]
-        chain = Limbs.of([np.vstack([points, tips.mean(axis=0)])], [self._hint(bodies[0])], self.settings)
+        # What has a goal of its own, such as a hand, has its settings for the limb that leads to it.
+        own = self.settings if joints[-1] in self.posed else self._settings_of(joints[-1])
+        line, side = np.vstack([points, tips.mean(axis=0)]), self._side(joints[-1])
+        chain = Limbs.of([line], [self._hint(bodies[0])], [own], [side])
         lengths = [self._lengths(own, body) for own, body in zip(beyond, bodies, strict=True)]
-        stem = Stem.of(points, self.rest[[own[0] for own in beyond]], tips, lengths, chain)
+        slow_down = [self._settings_of(body).slow_down for body in bodies]
+        stem = Stem.of(points, self.rest[[own[0] for own in beyond]], tips, lengths, slow_down, chain)
         goals = [goal for body in bodies for goal, own in self.places if own == body]
         return self._wave([Limb(goals[0], beyond[0][0], joints)], chain, goals, stem)
 
@@ -358,17 +404,22 @@ class _Planning:
         limited = None
         if self.limits is not None:
             limited = LimitedLimbs.of(self.limits, self._axes, [limb.joints for limb in limbs], chains.segments)
-        return Wave(tuple(limbs), chains, np.array(goals, dtype=np.intp), stem, limited)
+        joints, elastic = [limb.joints for limb in limbs], None
+        if self.settings.allows_stretch:
+            ends = [limb.body for limb in limbs] if stem is None else []
+            self.stiff += [b for i, own in enumerate(joints) for b in (*own[1:], *ends[i : i + 1]) if b in self.fixed]
+            elastic = Elastic.of(chains, joints, ends, self.fixed, self.settings)
+        return Wave(tuple(limbs), chains, np.array(goals, dtype=np.intp), stem, limited, elastic=elastic)
 
-    def _swivels(self, limbs: Sequence[Limb], chains: Limbs, left: Collection[int]) -> Swivels | None:
+    def _obstacles(self, limbs: Sequence[Limb], chains: Limbs, left: Collection[int]) -> Obstacles | None:
         """Return what limbs keep out of; ``left`` are the bodies of these, and of those that are solved after them."""
         if not self.settings.avoids_collisions:
             return None
         capsules, moved = self._capsules, {*left} - self._trunk
-        fixed = [i for i, b in enumerate(capsules.bodies.tolist()) if moved.isdisjoint((b, *self.ancestors[b]))]
-        joints = [limb.joints for limb in limbs]
-        radii = [[capsules.radius_of.get(j, 0.0) if j in moved else 0.0 for j in own] for own in joints]
-        return Swivels.of(joints, chains.segments, self.rest, capsules.take(fixed), radii, self.settings)
+        fixed = [i for i, b in enumerate(capsules.carriers) if moved.isdisjoint((b, *self.ancestors[b]))]
+        joints, own = [limb.joints for limb in limbs], {b for limb in self.character.limbs for b in limb.bones}
+        radii = [[capsules.radius_of.get(j, 0.0) if j in own else 0.0 for j in line] for line in joints]
+        return Obstacles.of(joints, chains.segments, self.rest, capsules.take(fixed), radii, self.settings)
 
     @cached_property
     def _capsules(self) -> Capsules:
@@ -385,17 +436,28 @@ class _Planning:
         return Nudge(
             np.array([limb.goal for limb in own], dtype=np.intp),
             starts - self.rest[self.root],
-            np.maximum(self.settings.slow_down * lengths[:, 0], chords),
+            np.maximum([self._settings_of(limb.body).slow_down for limb in own] * lengths[:, 0], chords),
             lengths[:, 1],
             self.settings.nudge * float(lengths[:, 0].mean()),
         )
 
+    def _settings_of(self, body: int) -> LimbSettings:
+        """Return the settings of the limb that ends with a body."""
+        return self.settings.of_limb(self.character.skeleton.names[body])
+
     def _hint(self, body: int) -> Array:
         """Return where the middle of a straight limb moves when it bends."""
-        for limb in self.character.limbs:
-            if body in limb.bones or body in limb.digits:
-                return _HINTS[limb.kind]
-        return np.array([0.0, 1.0, 0.3])
+        limb = self._limb_of(body)
+        return np.array([0.0, 1.0, 0.3]) if limb is None else _HINTS[limb.kind]
+
+    def _side(self, body: int) -> int:
+        """Return +1 for what ends a limb on the left, -1 on the right, and 0 in the middle."""
+        limb = self._limb_of(body)
+        return 0 if limb is None else limb.side
+
+    def _limb_of(self, body: int) -> morphology.Limb | None:
+        """Return the limb of the character that a body is part of."""
+        return next((limb for limb in self.character.limbs if body in limb.bones or body in limb.digits), None)
 
 
 _HINTS = {
@@ -406,6 +468,12 @@ _HINTS = {
     LimbKind.TENTACLE: np.array([0.0, 0.0, 1.0]),
 }
 """Knees bend forward, elbows back, the rest up."""
+
+
+def _pulled(trunk: Trunk | None, waves: Iterable[Wave]) -> tuple[int, ...]:
+    """Return the bodies whose joints move off where they are held when bones stretch."""
+    links = [link.end for wave in waves if wave.elastic is not None for link in wave.elastic.links]
+    return tuple(dict.fromkeys((*links, *(trunk.drawn if trunk is not None else ()))))
 
 
 def _loose(character: Character) -> set[int]:

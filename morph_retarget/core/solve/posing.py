@@ -8,7 +8,6 @@ the goals of its frame alone, so all frames are one batch.
 """
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,8 +15,8 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array
-from . import branching, collision, constraints, limb_phase, limit_phase, spine_phase
-from .collision import Swivels
+from . import branching, collision, constraints, limb_phase, limit_phase, spine_phase, stretching
+from .collision import Obstacles
 from .constraints import TINY
 from .goals import Goals
 from .plan import NONE, Nudge, Plan, Trunk, Wave
@@ -41,6 +40,9 @@ class BodyPose:
     shift: Array
     """How far the root moved from where its parents hold it, in their frame [m], shape (frame, 3)."""
     plan: Plan
+    stretched: Array | None = None
+    """How far the leaders' joints are moved from where what carries them holds them, in the frame of that [m], shape
+    (frame, leader, 3); None where no bone may stretch."""
 
     @cached_property
     def turns(self) -> Array:
@@ -52,7 +54,8 @@ class BodyPose:
         """Of the leaders' joints [m], shape (frame, leader, 3)."""
         plan = self.plan
         # From what carries it to each leader; the root is where it was brought, whatever carries it.
-        steps = rotation.apply(self.rotations.take(plan.carriers, axis=1), plan.offsets)
+        offsets = plan.offsets if self.stretched is None else plan.offsets + self.stretched
+        steps = rotation.apply(self.rotations.take(plan.carriers, axis=1), offsets)
         steps[:, plan.anchors] = plan.rest[[plan.order[i] for i in plan.anchors]]
         steps[:, plan.order.index(plan.root)] += self.moved
         return np.matmul(plan.lines, steps)
@@ -76,7 +79,8 @@ def solve(plan: Plan, goals: Goals) -> BodyPose:
         state.reach(wave)
     frames = len(goals)
     rotations = _together([state.rotation(leader) for leader in plan.order], frames)
-    return BodyPose(rotations, state.shift, np.broadcast_to(state.shift_from_parent(), (frames, 3)), plan)
+    shift = np.broadcast_to(state.shift_from_parent(), (frames, 3))
+    return BodyPose(rotations, state.shift, shift, plan, state.stretched())
 
 
 def _together(parts: Sequence[Array], frames: int) -> Array:
@@ -97,6 +101,8 @@ class _State:
         self._whole = bool((goals.rotation_influence == 1.0).all())
         self._rotations: dict[int, Array] = {}
         self._places: dict[int, Array] = {}
+        self._drawn: dict[int, Array] = {}
+        """How far joints are moved from where what carries them holds them, in the frame of that."""
         self.shift = np.zeros((1, 3))
         rows = np.flatnonzero(goals.bodies == plan.root)
         if len(rows):
@@ -136,19 +142,23 @@ class _State:
             # A goal that is delegated stands off what it is given to, turned as that shall be.
             pins[:, pin.node] = goals.positions[:, pin.goal] - rotation.apply(base[pin.body], pin.offset) - start
             pinned[:, pin.node] = goals.position_influence[:, pin.goal]
-        pulls, held = list(trunk.pulls), np.zeros(frames)
+        pulls, counts, held = list(trunk.pulls), trunk.spine.counts, np.zeros(frames)
         if trunk.last in self.plan.turned:
             held = goals.rotation_influence[:, self.plan.turned[trunk.last]]
         wanted = spine_phase.Wanted(
             rotation.apply(back, pins),
             pinned,
-            rotation.apply(back, goals.positions[:, pulls] - start[:, None]),
-            goals.position_influence[:, pulls],
+            rest.drawn_in(rotation.apply(back, goals.positions[:, pulls] - start[:, None])),
+            counts * goals.position_influence[:, pulls],
             held,
         )
-        turns = np.matmul(outer, spine_phase.solve(rest, wanted))
+        bent = spine_phase.solve(rest, wanted)
+        turns = np.matmul(outer, bent.turns)
         for i, joint in enumerate(trunk.joints):
             self._rotations[joint] = self._held(joint, turns[:, i])
+        if bent.factors is not None:
+            for body, i in trunk.drawn.items():
+                self._draw(trunk.joints[i], body, bent.factors[:, i], trunk.spine.segments[i])
 
     def reach(self, wave: Wave) -> None:
         """Pose limbs."""
@@ -157,39 +167,77 @@ class _State:
         places = _together([self.place(start) for start in starts], frames)
         along = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
         influence = goals.position_influence.take(wave.goals, axis=1)
+        factors = None
         if wave.stem is not None:
             own = branching.solve(wave.stem, along, influence)
+            if wave.elastic is not None:
+                factors = stretching.of_stem(wave.elastic, wave.stem, own, along, influence)
         else:
             if (influence != 1.0).any():
                 rest = wave.chains.segments.sum(axis=1)
                 along = rest + influence[..., None] * (along - rest)
-            own = limb_phase.solve(wave.chains, along)
+            if wave.elastic is None:
+                own = limb_phase.solve(wave.chains, along, influence)
+            else:
+                own, factors = stretching.solve(wave.elastic, along, influence)
         turned = np.matmul(carried[:, :, None], own)
-        if wave.swivels is not None:
-            turned = self._freed(wave, wave.swivels, places, turned)
+        if wave.obstacles is not None:
+            turned = self._freed(wave, wave.obstacles, places, turned, factors)
         for limb, first, i in wave.joints:
             self._rotations[limb] = turned[:, first, i]
         self._twist(wave, turned)
         if wave.limited is not None:
             for joint, limb, i in wave.joints:
                 turned[:, limb, i] = self._rotations[joint]
-            turned = limit_phase.hold(wave.limited, carried, turned)
+            turned = limit_phase.hold(wave.limited, carried, turned, factors)
             for joint, limb, i in wave.joints:
                 own = turned[:, limb, i]
                 self._rotations[joint] = self._held(joint, own) if joint in self.plan.astray else own
+        if wave.elastic is not None and factors is not None:
+            for link in wave.elastic.links:
+                segment = wave.chains.segments[link.limb, link.place]
+                self._draw(link.joint, link.end, factors[:, link.limb, link.place], segment)
 
-    def _freed(self, wave: Wave, swivels: Swivels, places: Array, turned: Array) -> Array:
+    def _draw(self, joint: int, end: int, factor: Array, segment: Array) -> None:
+        """Move the joint to which a bone leads as the bone gets longer or shorter.
+
+        Args:
+            joint: Where the bone starts.
+            end: The body whose joint it leads to.
+            factor: By what factor it is longer, shape (frame,).
+            segment: The bone at rest [m], shape (3,).
+        """
+        longer, above = (factor - 1.0)[:, None] * segment, self.plan.above[end]
+        if above != joint:
+            own = np.matmul(rotation.transposed(self.rotation(above)), self.rotation(joint))
+            longer = rotation.apply(own, longer)
+        self._drawn[end] = longer
+
+    def stretched(self) -> Array | None:
+        """Return how far the leaders' joints are moved, shape (frame, leader, 3), None where no bone may stretch."""
+        if not self.plan.stretched:
+            return None
+        none = np.zeros((1, 3))
+        return _together([self._drawn.get(leader, none) for leader in self.plan.order], len(self.goals))
+
+    def _freed(self, wave: Wave, obstacles: Obstacles, starts: Array, turned: Array, factors: Array | None) -> Array:
         """Return limbs out of what they collide with."""
         # Where that is may still change within its limits, so what is found out about it here is not kept.
-        aside, around, rest = copy(self), swivels.around, self.plan.rest
-        aside._rotations, aside._places = dict(self._rotations), dict(self._places)
-        aside._rotations.update({joint: turned[:, limb, i] for joint, limb, i in wave.joints})
+        rotations, places = self._rotations, self._places
+        self._rotations = rotations | {joint: turned[:, limb, i] for joint, limb, i in wave.joints}
+        self._places = dict(places)
+        around, rest = obstacles.around, self.plan.rest
         ends = np.empty((2, len(turned), len(around.bodies), 3))
         for i, leader in enumerate(self.plan.leaders[around.bodies].tolist()):
             for end, points in zip(ends, (around.starts, around.ends), strict=True):
-                away = rotation.apply(aside.rotation(leader), points[i] - rest[leader])
-                end[:, i] = aside.place(leader) + away
-        return collision.free(swivels, places, turned, (ends[0], ends[1]))
+                away = rotation.apply(self.rotation(leader), points[i] - rest[leader])
+                end[:, i] = self.place(leader) + away
+        self._rotations, self._places = rotations, places
+        if factors is None:
+            return collision.free(obstacles, starts, turned, (ends[0], ends[1]))
+        # Longer bones are where larger turns lead.
+        longer = factors[..., None, None]
+        return collision.free(obstacles, starts, longer * turned, (ends[0], ends[1])) / longer
 
     def _twist(self, wave: Wave, turned: Array) -> None:
         """Let joints with turns of their own twist as these say, and point where they were solved to."""
@@ -249,7 +297,8 @@ class _State:
             elif above == NONE:
                 self._places[leader] = plan.rest[leader][None]
             else:
-                away = rotation.apply(self.rotation(above), plan.rest[leader] - plan.rest[above])
+                rest = plan.rest[leader] - plan.rest[above]
+                away = rotation.apply(self.rotation(above), rest + self._drawn.get(leader, 0.0))
                 self._places[leader] = self.place(above) + away
         return self._places[leader]
 

@@ -11,9 +11,10 @@ from functools import cached_property
 import numpy as np
 
 from .. import quat, rotation
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from .constraints import TINY
 from .limb_phase import Limbs
+from .limb_settings import LimbSettings
 from .settings import SolverSettings
 from .spline import Splines
 
@@ -38,6 +39,17 @@ class Pull:
     """… and when it is folded up."""
     holds: bool = False
     """Whether its goal counts more than those of the spine: feet stay where they stand."""
+    settings: LimbSettings = field(default=LimbSettings())
+
+    @property
+    def begin(self) -> float:
+        """Distance of its goal from which on it pulls [m]."""
+        return max(self.settings.spine_start * self.full, self.chord)
+
+    @property
+    def reach(self) -> float:
+        """Up to where it reaches its goal without slowing down [m]."""
+        return max(self.settings.slow_down * self.full, self.chord)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,14 +66,13 @@ class PulledNode:
     """Distance below which they push [m], shape (limb,)."""
 
     @classmethod
-    def of(cls, pulls: Sequence[Pull], node: int, settings: SolverSettings) -> "PulledNode":
+    def of(cls, pulls: Sequence[Pull], node: int, shrink: float) -> "PulledNode":
         """Return those of a node."""
         own = [i for i, pull in enumerate(pulls) if pull.node == node]
         chord: Array = np.array([pulls[i].chord for i in own])
         full: Array = np.array([pulls[i].full for i in own])
-        return cls(
-            np.array(own, dtype=np.intp), np.maximum(settings.spine_start * full, chord), full, settings.shrink * chord
-        )
+        start: Array = np.array([pulls[i].begin for i in own])
+        return cls(np.array(own, dtype=np.intp), start, full, shrink * chord)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,11 +85,19 @@ class Spine:
     """Points that are branch points; the first is point 0, which stays, the last is the last point."""
     pulls: tuple[Pull, ...]
     settings: SolverSettings
+    free: Flags | None = None
+    """Whether bones may stretch, shape (joint,), None when none may."""
 
     @cached_property
     def pulled(self) -> "dict[int, PulledNode]":
         """Branch points that limbs pull at."""
-        return {node: PulledNode.of(self.pulls, node, self.settings) for node in {pull.node for pull in self.pulls}}
+        shrink = self.settings.shrink
+        return {node: PulledNode.of(self.pulls, node, shrink) for node in {pull.node for pull in self.pulls}}
+
+    @cached_property
+    def counts(self) -> Array:
+        """How much each limb counts that pulls, shape (pull,)."""
+        return np.array([pull.settings.pull for pull in self.pulls])
 
     @cached_property
     def held(self) -> int:
@@ -88,7 +107,7 @@ class Spine:
     @cached_property
     def reach(self) -> Array:
         """Up to where limbs reach their goals without slowing down [m], shape (pull,)."""
-        return np.array([max(self.settings.slow_down * pull.full, pull.chord) for pull in self.pulls])
+        return np.array([pull.reach for pull in self.pulls])
 
     @cached_property
     def folded(self) -> Array:
@@ -116,7 +135,7 @@ class Spine:
     def pieces(self) -> Limbs:
         """The bones between neighbouring branch points."""
         chains = [self.points[a : b + 1] for a, b in zip(self.nodes, self.nodes[1:], strict=False)]
-        return Limbs.of(chains, [BACK] * len(chains), self.settings)
+        return Limbs.of(chains, [BACK] * len(chains))
 
     @cached_property
     def leans(self) -> Array:
@@ -129,6 +148,20 @@ class Spine:
         pieces = self.pieces
         alone = (pieces.lengths > TINY).sum(axis=-1) == 1
         return np.where(alone, pieces.full, np.minimum(pieces.full, self.settings.stretch * pieces.chords))
+
+    @cached_property
+    def elastic(self) -> Array:
+        """Lengths of the bones that may stretch [m], 0 of others, shape (piece, bone)."""
+        out = np.zeros_like(self.pieces.lengths)
+        if self.free is not None:
+            out[self.bone_of] = np.where(self.free, self.pieces.lengths[self.bone_of], 0.0)
+        return out
+
+    @cached_property
+    def room(self) -> Array:
+        """How much farther than `most` the ends of each piece come when its bones stretch [m], shape (piece,)."""
+        longer = (self.settings.stretch - 1.0) * self.elastic.sum(axis=-1)
+        return np.where(longer > 0.0, self.pieces.full + longer - self.most, 0.0)
 
     @cached_property
     def least(self) -> Array:
@@ -207,6 +240,23 @@ class Rest:
         joints, nodes = [p.joint for p in self.spine.pulls], [self.spine.nodes[p.node] for p in self.spine.pulls]
         own = np.array([p.start for p in self.spine.pulls]).reshape(-1, 3)
         return self.points[:, joints] + rotation.apply(self.turns[:, joints], own) - self.points[:, nodes]
+
+    def drawn_in(self, goals: Array) -> Array:
+        """Return where limbs are to end that pull: nearer than their goals where these only count in part.
+
+        Of the way by which a goal is too far for its limb, as much is left. Iterations alone would make up for most of
+        what a small share leaves out of each of them.
+
+        Args:
+            goals: Of the limbs [m], shape (frame, pull, 3).
+        """
+        spine = self.spine
+        if (spine.counts == 1.0).all():
+            return goals
+        away = goals - self.starts - self.nodes[:, [pull.node for pull in spine.pulls]]
+        distance = quat.length(away)
+        over = np.maximum(distance - np.array([pull.begin for pull in spine.pulls]), 0.0)
+        return goals - ((1.0 - spine.counts) * over / np.maximum(distance, TINY))[..., None] * away
 
     @cached_property
     def piece_turns(self) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array, Indices
-from . import closing, constraints
+from . import closing, constraints, spine_stretching
 from .constraints import TINY
 from .spine import Rest, Spine, tangents, transported
 
@@ -45,8 +45,32 @@ class Wanted:
         return Wanted(self.pins[rows], self.pinned[rows], self.goals[rows], self.weights[rows], self.held[rows])
 
 
-def solve(rest: Rest, wanted: Wanted) -> Array:
-    """Return how the bones of a spine turn from rest, in the frame of what carries it, (frame or 1, joint, 3, 3).
+@dataclass(frozen=True, eq=False)
+class Bent:
+    """What became of a spine, in the frame of what carries it."""
+
+    turns: Array
+    """How its bones turn from rest, shape (frame or 1, joint, 3, 3)."""
+    factors: Array | None = None
+    """By what factors they are longer, shape (frame, joint), None where none is."""
+
+    def at(self, rows: Indices) -> "Bent":
+        """Return it in some frames."""
+        return Bent(self.turns[rows], None if self.factors is None else self.factors[rows])
+
+    def put(self, rows: Indices, other: "Bent") -> "Bent":
+        """Return it with other ones in some frames."""
+        self.turns[rows] = other.turns
+        factors = self.factors
+        if factors is None and other.factors is not None:
+            factors = np.ones(self.turns.shape[:2])
+        if factors is not None:
+            factors[rows] = 1.0 if other.factors is None else other.factors
+        return Bent(self.turns, factors)
+
+
+def solve(rest: Rest, wanted: Wanted) -> Bent:
+    """Return how a spine bends, and stretches if it may.
 
     Args:
         rest: The root-relative rest pose.
@@ -54,26 +78,28 @@ def solve(rest: Rest, wanted: Wanted) -> Array:
     """
     particles = np.repeat(rest.nodes, len(wanted.goals), axis=0) if len(rest.nodes) == 1 else rest.nodes.copy()
     if not _is_stirred(rest, wanted, particles):
-        return rest.turns
+        return Bent(rest.turns)
     _iterate(rest, wanted, particles)
     twists = np.zeros(particles.shape[:2])
-    turns = _reconstructed(rest, wanted, particles, twists)
-    rows: Indices = np.arange(len(turns))
+    most = spine_stretching.most(rest.spine, wanted.pins, wanted.pinned, wanted.goals, wanted.weights)
+    bent = _reconstructed(rest, wanted, particles, twists, most)
+    rows: Indices = np.arange(len(bent.turns))
     for _ in range(rest.spine.settings.refinements if rest.spine.pulls else 0):
-        short, arms = _short(rest, wanted, turns[rows])
+        short, arms = _short(rest, wanted, bent.at(rows))
         still = np.abs(short).max(axis=(1, 2)) > MISSED * rest.spine.size
         if not still.any():
             break
-        rows, rest, wanted, particles, twists = (
+        rows, most, rest, wanted, particles, twists = (
             rows[still],
+            most if len(most) == 1 else most[still],
             rest.at(still),
             wanted.at(still),
             particles[still],
             twists[still],
         )
         _give_way(rest.spine, short[still], arms[still], particles, twists)
-        turns[rows] = _reconstructed(rest, wanted, particles, twists)
-    return turns
+        bent = bent.put(rows, _reconstructed(rest, wanted, particles, twists, most))
+    return bent
 
 
 def _give_way(spine: Spine, short: Array, arms: Array, particles: Array, twists: Array) -> None:
@@ -169,13 +195,14 @@ def _unbuckle(rest: Rest, particles: Array) -> None:
         particles[:, 1:] += share[..., None] * (rest.nodes[:, 1:] - particles[:, 1:])
 
 
-def _short(rest: Rest, wanted: Wanted, turns: Array) -> tuple[Array, Array]:
+def _short(rest: Rest, wanted: Wanted, bent: Bent) -> tuple[Array, Array]:
     """Return how far limbs fall short of their goals, or go too far, and where they start, shape (frame, pull, 3).
 
     The starts are from the joints that carry the limbs.
     """
-    spine = rest.spine
-    bones = np.cumsum(rotation.apply(turns, spine.segments), axis=1)
+    spine, turns = rest.spine, bent.turns
+    segments = spine.segments if bent.factors is None else bent.factors[..., None] * spine.segments
+    bones = np.cumsum(rotation.apply(turns, segments), axis=1)
     places = np.concatenate([np.zeros((len(bones), 1, 3)), bones], axis=1)
     joints = [pull.joint for pull in spine.pulls]
     arms = rotation.apply(turns[:, joints], np.array([pull.start for pull in spine.pulls]))
@@ -188,19 +215,19 @@ def _short(rest: Rest, wanted: Wanted, turns: Array) -> tuple[Array, Array]:
     return share[..., None] * away, arms
 
 
-def _project(rest: Rest, wanted: Wanted, particles: Array) -> None:
+def _project(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
     """Bring neighbouring branch points within reach of each other, first from the outermost inward."""
     spine, count = rest.spine, particles.shape[1]
     for _ in range(PASSES if count > 2 else 1):
         for node in range(count - 1, 0, -1):
             particles[:, node] += wanted.pinned[:, node, None] * (wanted.pins[:, node] - particles[:, node])
             if node > 1:
-                particles[:, node - 1] = _within(particles[:, node], particles[:, node - 1], spine, node - 1)
+                particles[:, node - 1] = _within(particles[:, node], particles[:, node - 1], spine, node - 1, most)
         for node in range(1, count):
-            particles[:, node] = _within(particles[:, node - 1], particles[:, node], spine, node - 1)
+            particles[:, node] = _within(particles[:, node - 1], particles[:, node], spine, node - 1, most)
 
 
-def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int) -> None:
+def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Array) -> None:
     """Bring the last branch point to its goal, where the constraints from a branch point on can reach it together.
 
     Bringing neighbours within reach, one after the other, gets there only slowly when the spine is nearly straight.
@@ -208,7 +235,7 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int) -> None:
     spine = rest.spine
     weight, whole = wanted.pinned[:, -1], particles
     particles = particles[:, first:]
-    most = spine.most[first:]
+    most = most[:, first:]
     missed = weight[:, None] * np.abs(wanted.pins[:, -1] - particles[:, -1])
     if particles.shape[1] < 3 or missed.max() < 1e-9 * spine.size:
         return
@@ -226,23 +253,25 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int) -> None:
     whole[:, first + 1 :] = particles[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
 
 
-def _within(held: Array, moved: Array, spine: Spine, piece: int) -> Array:
+def _within(held: Array, moved: Array, spine: Spine, piece: int, most: Array) -> Array:
     """Return a particle moved to within the reach of a piece from another one, shape (frame, 3)."""
     away = moved - held
     distance = quat.length(away)
-    wanted = np.minimum(np.maximum(distance, spine.least[piece]), spine.most[piece])
+    wanted = np.minimum(np.maximum(distance, spine.least[piece]), most[:, piece])
     return held + (wanted / np.maximum(distance, TINY))[:, None] * away
 
 
-def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Array:
-    """Return how the bones turn from rest, shape (frame, joint, 3, 3), after projecting the particles."""
-    _project(rest, wanted, particles)
-    _arrive(rest, wanted, particles, 0)
+def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array, most: Array) -> Bent:
+    """Return how the bones turn from rest, after projecting the particles to within ``most``, (frame or 1, piece)."""
+    _project(rest, wanted, particles, most)
+    _arrive(rest, wanted, particles, 0, most)
     if held := rest.spine.held:  # the trunk does not leave behind what feet hold
         particles[:, held] += constraints.together(_held_back(rest, wanted, particles, held))
-        _arrive(rest, wanted, particles, held)
+        way = wanted.pins[:, -1] - particles[:, held]
+        most = spine_stretching.from_held(rest.spine, held, way, wanted.pinned[:, -1], most)
+        _arrive(rest, wanted, particles, held, most)
         for node in range(1, particles.shape[1]):
-            particles[:, node] = _within(particles[:, node - 1], particles[:, node], rest.spine, node - 1)
+            particles[:, node] = _within(particles[:, node - 1], particles[:, node], rest.spine, node - 1, most)
     spine, pieces = rest.spine, rest.spine.pieces
     along = np.diff(particles, axis=1)
     distance = quat.length(along)
@@ -253,14 +282,16 @@ def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array) 
     if (lean > 0.0).any() and spine.leans.any():
         aside = rotation.apply(np.matmul(swings[:, :-1, None], rest.piece_turns[:, :, :1]), spine.leans)
         shape = quat.unit(shape + lean[..., None, None] * aside)
-    closed = closing.close(shape, pieces.lengths, axes, distance)
-    ends = (pieces.lengths[..., None] * closed).sum(axis=-2)
+    factors = spine_stretching.factors(spine, distance, most)
+    lengths = pieces.lengths if factors is None else factors * pieces.lengths
+    closed = closing.close(shape, lengths, axes, distance)
+    ends = (lengths[..., None] * closed).sum(axis=-2)
     closed = rotation.apply(rotation.between(quat.unit(ends), axes)[:, :, None], closed)
     turns = _carried(rest, swings, closed)
     if rest.is_turned:
         turns = np.matmul(turns, rest.piece_turns)
     piece, place = spine.bone_of
-    return turns[:, piece, place]
+    return Bent(turns[:, piece, place], None if factors is None else factors[:, piece, place])
 
 
 def _swings(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Array:

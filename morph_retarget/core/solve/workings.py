@@ -12,7 +12,7 @@ import numpy as np
 from .. import quat, rotation
 from ..arrays import Array, Flags, Indices
 from .goals import Goals
-from .plan import Plan, Trunk
+from .plan import NONE, Plan, Trunk
 from .posing import BodyPose
 
 TOLERANCE = 0.001 / 1.75
@@ -119,5 +119,7 @@ def _branches(plan: Plan, trunk: Trunk, pose: BodyPose) -> Array:
     last = trunk.joints[-1]
     bone = trunk.spine.points[-1] - trunk.spine.points[-2]
     end = pose.positions[:, last] + rotation.apply(pose.rotations[:, plan.led_by[last]], bone)
+    if trunk.last != NONE:  # a bone that has stretched leads on to it
+        end = pose.positions[:, trunk.last]
     line = np.concatenate([pose.positions[:, trunk.joints], end[:, None]], axis=1)
     return line[:, trunk.spine.nodes]

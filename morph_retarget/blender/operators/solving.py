@@ -1,0 +1,57 @@
+"""The solver: settings of single limbs."""
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core.errors import RigError
+from ..properties import of_rig
+from ..rig import pose_of
+from .manners import Status, active_bone, armature_meant, armature_poll, reporting
+
+
+class MORPHRETARGET_OT_add_limb_settings(bpy.types.Operator):
+    bl_idname = "morph_retarget.add_limb_settings"
+    bl_label = "Add Limb Settings"
+    bl_description = "Give one limb solver settings of its own, by the bone at its end"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    bone: StringProperty(name="Bone", description="Bone at the end of the limb; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = armature_meant(context, self.character)
+        name = self.bone or active_bone(ob)
+        if name not in pose_of(ob).bones:
+            raise RigError(f"armature {ob.name!r} has no bone {name!r}: choose one that it has")
+        of_rig(ob).solver.add(name)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_limb_settings(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_limb_settings"
+    bl_label = "Remove Limb Settings"
+    bl_description = "Let the chosen limb be solved like the others again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = armature_meant(context, self.character)
+        own = of_rig(ob).solver
+        if not 0 <= own.active_limb < len(own.limbs):
+            raise RigError(f"{ob.name!r} has no such settings: choose some in the list")
+        own.remove(own.active_limb)
+        return {"FINISHED"}
+
+
+CLASSES = (MORPHRETARGET_OT_add_limb_settings, MORPHRETARGET_OT_remove_limb_settings)
