@@ -51,7 +51,8 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 def _test(arguments: argparse.Namespace) -> int:
     versions = list(PYTHONS) if arguments.blender == "all" else [_version(arguments.blender)]
-    failed = [v for v in versions if _run([_blender(v), "-m", "pytest", *arguments.pytest], f"Blender {v}")]
+    given = ["-n", "auto", *arguments.pytest]  # as many processes as there are cores
+    failed = [v for v in versions if _run([_blender(v), "-m", "pytest", *given], f"Blender {v}")]
     if failed:
         print(f"failed with Blender {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
