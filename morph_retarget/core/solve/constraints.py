@@ -58,7 +58,7 @@ def together(ways: Array) -> Array:
     Each counts by how far it wants: one alone moves it all its way, and two that want the same do not move it twice.
     """
     sizes = quat.length(ways)
-    return np.matmul(sizes[:, None], ways)[:, 0] / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
+    return (sizes[..., None] * ways).sum(axis=1) / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
 
 
 def smooth_step(value: Array, low: float, high: float) -> Array:

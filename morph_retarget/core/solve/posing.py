@@ -175,7 +175,8 @@ class _State:
         else:
             if (influence != 1.0).any():
                 rest = wave.chains.segments.sum(axis=1)
-                along = rest + influence[..., None] * (along - rest)
+                part = influence[..., None]
+                along = np.where(part == 1.0, along, rest + part * (along - rest))
             if wave.elastic is None:
                 own = limb_phase.solve(wave.chains, along, influence)
             else:
@@ -304,9 +305,11 @@ class _State:
 
 
 def _toward(carried: Array, wanted: Array, share: Array) -> Array:
-    """Return rotations part of the way to others, shape (frame, 3, 3)."""
-    if (share == 0.0).all():
-        return np.broadcast_to(carried, (len(share), 3, 3))
-    if (share == 1.0).all():
-        return np.broadcast_to(wanted, (len(share), 3, 3))
-    return quat.to_matrix(quat.slerp(quat.from_matrix(carried), quat.from_matrix(wanted), share))
+    """Return rotations part of the way to others, shape (frame, 3, 3); those at an end are it to the bit."""
+    part = share[:, None, None]
+    ends = np.where(part == 0.0, carried, wanted)
+    between = (share != 0.0) & (share != 1.0)
+    if not between.any():
+        return ends
+    mixed = quat.to_matrix(quat.slerp(quat.from_matrix(carried), quat.from_matrix(wanted), share))
+    return np.where(between[:, None, None], mixed, ends)

@@ -36,7 +36,7 @@ class SolverSettings(LimbSettings):
     nudge: float = 0.0
     """Most that limbs which hang on the root and fall short of their goals move it, as a share of their length. The
     paper lets immediate children do so slightly (§4.3.1, footnote); 0 leaves the root where the animator has put it."""
-    refinements: int = 2
+    refinements: int = 5
     """How often the spine gives way to limbs that still cannot reach their goals, after it has been reconstructed."""
     twist: float = 60.0
     """Most that a branch point twists about the spine for them [degrees]."""

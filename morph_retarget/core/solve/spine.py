@@ -100,6 +100,14 @@ class Spine:
         return np.array([pull.settings.pull for pull in self.pulls])
 
     @cached_property
+    def twist_shares(self) -> Array:
+        """Share of the twist of its branch point that the bone which carries each limb takes, shape (pull,)."""
+        joints, nodes = [pull.joint for pull in self.pulls], [pull.node for pull in self.pulls]
+        piece, place = (own[joints] for own in self.bone_of)
+        share = self.splines.middles[piece, place]
+        return np.where(piece < nodes, share, 1.0 - share)
+
+    @cached_property
     def held(self) -> int:
         """The outermost branch point that feet hold, 0 without one."""
         return max((pull.node for pull in self.pulls if pull.holds), default=0)
@@ -215,7 +223,7 @@ class Rest:
         start = np.zeros((len(bones), 1, 3))
         object.__setattr__(self, "points", np.concatenate([start, np.cumsum(bones, axis=1)], axis=1))
 
-    def at(self, rows: Indices) -> "Rest":
+    def at(self, rows: Flags) -> "Rest":
         """Return the rest of some frames."""
         return self if len(self.turns) == 1 else Rest(self.spine, self.turns[rows])
 

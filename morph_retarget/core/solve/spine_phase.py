@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .. import quat, rotation
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from . import closing, constraints, spine_stretching
 from .constraints import TINY
 from .spine import Rest, Spine, tangents, transported
@@ -40,7 +40,7 @@ class Wanted:
     held: Array
     """How far the body at the last branch point has a turn of its own, shape (frame,)."""
 
-    def at(self, rows: Indices) -> "Wanted":
+    def at(self, rows: Flags) -> "Wanted":
         """Return what is wanted in some frames."""
         return Wanted(self.pins[rows], self.pinned[rows], self.goals[rows], self.weights[rows], self.held[rows])
 
@@ -69,6 +69,28 @@ class Bent:
         return Bent(self.turns, factors)
 
 
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """A spine in the making."""
+
+    rest: Rest
+    wanted: Wanted
+    particles: Array
+    """The branch points [m], shape (frame, node, 3)."""
+    twists: Array
+    """How far they turn about the spine [rad], shape (frame, node)."""
+    most: Array
+    """Farthest that the ends of each piece come from each other [m], shape (frame or 1, piece)."""
+    starts: Array
+    """Where limbs start, from their branch points, as far as that is known [m], shape (frame or 1, pull, 3)."""
+
+    def at(self, rows: Flags, starts: Array) -> "_Work":
+        """Return what is left to do in some frames, where it is known by now where limbs start."""
+        most = self.most if len(self.most) == 1 else self.most[rows]
+        rest, wanted = self.rest.at(rows), self.wanted.at(rows)
+        return _Work(rest, wanted, self.particles[rows], self.twists[rows], most, starts)
+
+
 def solve(rest: Rest, wanted: Wanted) -> Bent:
     """Return how a spine bends, and stretches if it may.
 
@@ -76,48 +98,49 @@ def solve(rest: Rest, wanted: Wanted) -> Bent:
         rest: The root-relative rest pose.
         wanted: What bends it.
     """
-    particles = np.repeat(rest.nodes, len(wanted.goals), axis=0) if len(rest.nodes) == 1 else rest.nodes.copy()
-    if not _is_stirred(rest, wanted, particles):
+    stirred = _stirred(rest, wanted)
+    if stirred.all():
+        return _solved(rest, wanted)
+    if not stirred.any():
         return Bent(rest.turns)
+    still = Bent(np.broadcast_to(rest.turns, (len(stirred), *rest.turns.shape[1:])).copy())
+    return still.put(np.flatnonzero(stirred), _solved(rest.at(stirred), wanted.at(stirred)))
+
+
+def _solved(rest: Rest, wanted: Wanted) -> Bent:
+    """Return how a spine bends in frames in which it has to."""
+    particles = np.repeat(rest.nodes, len(wanted.goals), axis=0) if len(rest.nodes) == 1 else rest.nodes.copy()
     _iterate(rest, wanted, particles)
-    twists = np.zeros(particles.shape[:2])
     most = spine_stretching.most(rest.spine, wanted.pins, wanted.pinned, wanted.goals, wanted.weights)
-    bent = _reconstructed(rest, wanted, particles, twists, most)
+    work = _Work(rest, wanted, particles, np.zeros(particles.shape[:2]), most, rest.starts)
+    bent = _reconstructed(work)
     rows: Indices = np.arange(len(bent.turns))
     for _ in range(rest.spine.settings.refinements if rest.spine.pulls else 0):
-        short, arms = _short(rest, wanted, bent.at(rows))
-        still = np.abs(short).max(axis=(1, 2)) > MISSED * rest.spine.size
+        short, arms, starts, missed = _short(work, bent.at(rows))
+        still = np.maximum(np.abs(short).max(axis=(1, 2)), missed) > MISSED * rest.spine.size
         if not still.any():
             break
-        rows, most, rest, wanted, particles, twists = (
-            rows[still],
-            most if len(most) == 1 else most[still],
-            rest.at(still),
-            wanted.at(still),
-            particles[still],
-            twists[still],
-        )
-        _give_way(rest.spine, short[still], arms[still], particles, twists)
-        bent = bent.put(rows, _reconstructed(rest, wanted, particles, twists, most))
+        rows, work = rows[still], work.at(still, starts[still])
+        _give_way(work, short[still], arms[still])
+        bent = bent.put(rows, _reconstructed(work))
     return bent
 
 
-def _give_way(spine: Spine, short: Array, arms: Array, particles: Array, twists: Array) -> None:
+def _give_way(work: _Work, short: Array, arms: Array) -> None:
     """Move and twist branch points so that limbs come nearer to their goals.
 
     Args:
-        spine: The spine.
+        work: The branch points and their twists.
         short: How far limbs fall short [m], shape (frame, pull, 3).
         arms: Where they start, from the joints that carry them [m], shape (frame, pull, 3).
-        particles: The branch points.
-        twists: How far they turn about the spine [rad], shape (frame, node).
     """
+    spine, particles, twists = work.rest.spine, work.particles, work.twists
     most = np.radians(spine.settings.twist)
     for node, own in spine.pulled.items():
         ways, lever = short.take(own.pulls, axis=1), arms.take(own.pulls, axis=1)
         axis = particles[:, node] - particles[:, node - 1]
         axis = (axis / np.maximum(quat.length(axis), TINY)[:, None])[:, None]
-        lever = lever - np.matmul(lever, axis.swapaxes(1, 2)) * axis
+        lever = spine.twist_shares[own.pulls][:, None] * (lever - np.matmul(lever, axis.swapaxes(1, 2)) * axis)
         # What each adds to the twist that would bring its limb nearest.
         turning = np.matmul(rotation.cross(lever, ways), axis.swapaxes(1, 2)).sum(axis=(1, 2))
         twist = twists[:, node] + EAGER * turning / np.maximum((lever * lever).sum(axis=(1, 2)), TINY)
@@ -125,12 +148,15 @@ def _give_way(spine: Spine, short: Array, arms: Array, particles: Array, twists:
         particles[:, node] += EAGER * constraints.together(ways)
 
 
-def _is_stirred(rest: Rest, wanted: Wanted, particles: Array) -> bool:
-    """Return whether anything wants the spine to bend."""
+def _stirred(rest: Rest, wanted: Wanted) -> Flags:
+    """Return in which frames anything wants the spine to bend, shape (frame,)."""
     tiny = 1e-9 * rest.spine.size
-    if (wanted.pinned[..., None] * np.abs(wanted.pins - particles)).max() > tiny:
-        return True
-    return any(np.abs(_pulled(rest, wanted, particles, node)).max() > tiny for node in rest.spine.pulled)
+    out = (wanted.pinned[..., None] * np.abs(wanted.pins - rest.nodes)).max(axis=(1, 2)) > tiny
+    for node in rest.spine.pulled:
+        if out.all():
+            break
+        out |= np.abs(_pulled(rest, wanted, rest.nodes, node)).max(axis=(1, 2)) > tiny
+    return out
 
 
 def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
@@ -171,10 +197,10 @@ def _pulled(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array:
     return (wanted.weights[:, own.pulls] * error / np.maximum(distance, TINY))[..., None] * away
 
 
-def _held_back(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array:
+def _held_back(work: _Work, node: int) -> Array:
     """Return how far limbs hold their branch point back that it must not leave behind, shape (frame, limb, 3)."""
-    own = rest.spine.pulled[node]
-    away = wanted.goals[:, own.pulls] - rest.starts[:, own.pulls] - particles[:, node, None]
+    own, wanted = work.rest.spine.pulled[node], work.wanted
+    away = wanted.goals[:, own.pulls] - work.starts[:, own.pulls] - work.particles[:, node, None]
     distance = quat.length(away)
     share = wanted.weights[:, own.pulls] * np.maximum(distance - own.full, 0.0)
     return (share / np.maximum(distance, TINY))[..., None] * away
@@ -195,11 +221,13 @@ def _unbuckle(rest: Rest, particles: Array) -> None:
         particles[:, 1:] += share[..., None] * (rest.nodes[:, 1:] - particles[:, 1:])
 
 
-def _short(rest: Rest, wanted: Wanted, bent: Bent) -> tuple[Array, Array]:
-    """Return how far limbs fall short of their goals, or go too far, and where they start, shape (frame, pull, 3).
+def _short(work: _Work, bent: Bent) -> tuple[Array, Array, Array, Array]:
+    """Return how far limbs fall short of their goals, or go too far, and where they start, shapes (frame, pull, 3).
 
-    The starts are from the joints that carry the limbs.
+    The starts are from the joints that carry the limbs, and again from their branch points; the last is by how much the
+    last branch point misses its goal [m], shape (frame,).
     """
+    rest, wanted = work.rest, work.wanted
     spine, turns = rest.spine, bent.turns
     segments = spine.segments if bent.factors is None else bent.factors[..., None] * spine.segments
     bones = np.cumsum(rotation.apply(turns, segments), axis=1)
@@ -212,7 +240,9 @@ def _short(rest: Rest, wanted: Wanted, bent: Bent) -> tuple[Array, Array]:
     # What is out of reach anyway pulls no harder than what is just beyond.
     error = error / np.sqrt(1.0 + (error / (FAR * spine.size)) ** 2)
     share = wanted.weights * error / np.maximum(distance, TINY)
-    return share[..., None] * away, arms
+    nodes = [spine.nodes[pull.node] for pull in spine.pulls]
+    missed = wanted.pinned[:, -1] * quat.length(places[:, spine.nodes[-1]] - wanted.pins[:, -1])
+    return share[..., None] * away, arms, places[:, joints] + arms - places[:, nodes], missed
 
 
 def _project(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
@@ -232,16 +262,14 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Arra
 
     Bringing neighbours within reach, one after the other, gets there only slowly when the spine is nearly straight.
     """
-    spine = rest.spine
-    weight, whole = wanted.pinned[:, -1], particles
-    particles = particles[:, first:]
-    most = most[:, first:]
-    missed = weight[:, None] * np.abs(wanted.pins[:, -1] - particles[:, -1])
-    if particles.shape[1] < 3 or missed.max() < 1e-9 * spine.size:
+    way = wanted.pinned[:, -1, None] * (wanted.pins[:, -1] - particles[:, -1])
+    rows = np.flatnonzero(np.abs(way).max(axis=-1) > 1e-9 * rest.spine.size)
+    if particles.shape[1] - first < 3 or not len(rows):
         return
-    goal = particles[:, -1] + weight[:, None] * (wanted.pins[:, -1] - particles[:, -1]) - particles[:, 0]
+    own, most = particles[rows, first:], (most if len(most) == 1 else most[rows])[:, first:]
+    goal = own[:, -1] + way[rows] - own[:, 0]
     distance = quat.length(goal)
-    along = np.diff(particles, axis=1)
+    along = np.diff(own, axis=1)
     lengths = np.minimum(quat.length(along), most)
     missing, room = np.maximum(distance - lengths.sum(axis=-1), 0.0), most - lengths
     lengths = lengths + np.minimum(missing / np.maximum(room.sum(axis=-1), TINY), 1.0)[:, None] * room
@@ -250,7 +278,7 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Arra
     chain = closing.close(quat.unit(along)[:, None], lengths[:, None], axis[:, None], distance[:, None])[:, 0]
     ends = (lengths[..., None] * chain).sum(axis=1)
     chain = rotation.apply(rotation.between(quat.unit(ends), axis)[:, None], chain)
-    whole[:, first + 1 :] = particles[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
+    particles[rows, first + 1 :] = own[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
 
 
 def _within(held: Array, moved: Array, spine: Spine, piece: int, most: Array) -> Array:
@@ -261,12 +289,13 @@ def _within(held: Array, moved: Array, spine: Spine, piece: int, most: Array) ->
     return held + (wanted / np.maximum(distance, TINY))[:, None] * away
 
 
-def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array, most: Array) -> Bent:
-    """Return how the bones turn from rest, after projecting the particles to within ``most``, (frame or 1, piece)."""
+def _reconstructed(work: _Work) -> Bent:
+    """Return how the bones turn from rest, after bringing the branch points within reach of each other."""
+    rest, wanted, particles, twists, most = work.rest, work.wanted, work.particles, work.twists, work.most
     _project(rest, wanted, particles, most)
     _arrive(rest, wanted, particles, 0, most)
     if held := rest.spine.held:  # the trunk does not leave behind what feet hold
-        particles[:, held] += constraints.together(_held_back(rest, wanted, particles, held))
+        particles[:, held] += constraints.together(_held_back(work, held))
         way = wanted.pins[:, -1] - particles[:, held]
         most = spine_stretching.from_held(rest.spine, held, way, wanted.pinned[:, -1], most)
         _arrive(rest, wanted, particles, held, most)
@@ -279,9 +308,10 @@ def _reconstructed(rest: Rest, wanted: Wanted, particles: Array, twists: Array, 
     swings = _swings(rest, wanted, particles, twists)
     shape = _splined(rest, particles, swings, distance)
     lean = np.sqrt(np.maximum(1.0 - (distance / spine.most) ** 2, 0.0))
-    if (lean > 0.0).any() and spine.leans.any():
+    leaning = (lean > 0.0)[..., None, None]
+    if spine.leans.any() and leaning.any():
         aside = rotation.apply(np.matmul(swings[:, :-1, None], rest.piece_turns[:, :, :1]), spine.leans)
-        shape = quat.unit(shape + lean[..., None, None] * aside)
+        shape = np.where(leaning, quat.unit(shape + lean[..., None, None] * aside), shape)
     factors = spine_stretching.factors(spine, distance, most)
     lengths = pieces.lengths if factors is None else factors * pieces.lengths
     closed = closing.close(shape, lengths, axes, distance)
@@ -304,11 +334,11 @@ def _swings(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Arra
     if twists.any():
         out = np.matmul(quat.to_matrix(quat.from_axis_angle(posed, twists)), out)
     out[:, 0] = rotation.IDENTITY
-    if (wanted.held == 1.0).all():
-        out[:, -1] = rotation.IDENTITY
-    elif wanted.held.any():
-        left = (1.0 - wanted.held)[:, None] * quat.to_rotation_vector(quat.from_matrix(out[:, -1]))
-        out[:, -1] = quat.to_matrix(quat.from_rotation_vector(left))
+    out[wanted.held == 1.0, -1] = rotation.IDENTITY
+    part = np.flatnonzero((wanted.held != 0.0) & (wanted.held != 1.0))
+    if len(part):
+        left = (1.0 - wanted.held[part, None]) * quat.to_rotation_vector(quat.from_matrix(out[part, -1]))
+        out[part, -1] = quat.to_matrix(quat.from_rotation_vector(left))
     return out
 
 
@@ -335,22 +365,31 @@ def _splined(rest: Rest, particles: Array, swings: Array, distance: Array) -> Ar
 def _carried(rest: Rest, swings: Array, directions: Array) -> Array:
     """Return how bones turn from the rest pose that a frame carries along them, shape (frame, piece, bone, 3, 3).
 
-    It is carried by the smallest rotations from bone to bone, at rest and posed. What is left to the turn of the branch
-    point at the end is a twist, and the bones share it.
+    It is carried by the smallest rotations from bone to bone, at rest and posed. What is left to the turns of the
+    branch points at both ends are twists, and the bones go over from one to the other.
     """
     directions = rest.spine.unpadded(directions)
     first = np.broadcast_to(rest.directions[:, :, 0], directions[:, :, 0].shape)
     moving = transported(first, directions)
     out = np.matmul(moving, rest.back)
-    left = np.matmul(swings[:, 1:], rotation.transposed(out[:, :, -1]))
-    axis = np.stack([left[..., i, j] - left[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
-    along = quat.dot(axis, directions[:, :, -1])
-    trace = left[..., 0, 0] + left[..., 1, 1] + left[..., 2, 2]
-    twist = 2.0 * np.arctan2(along, 1.0 + trace)
-    if not (np.abs(twist) > 1e-9).any():
+    ends = np.stack([swings[:, :-1], swings[:, 1:]], axis=2)
+    both = [0, -1]
+    twist = _twist(np.matmul(ends, rotation.transposed(out[:, :, both])), directions[:, :, both])
+    # What is none but for rounding is none, whatever other frames do.
+    twist[np.abs(twist) < 1e-9] = 0.0
+    if not twist.any():
         return out
-    share = rest.spine.splines.parameters[:, 1:] * twist[..., None]
+    t = rest.spine.splines.middles
+    share = (1.0 - t) * twist[..., :1] + t * twist[..., 1:]
     return np.matmul(quat.to_matrix(quat.from_axis_angle(directions, share)), out)
+
+
+def _twist(left: Array, direction: Array) -> Array:
+    """Return how far rotations turn about directions [rad], shape (...)."""
+    axis = np.stack([left[..., i, j] - left[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
+    along = quat.dot(axis, direction)
+    trace = left[..., 0, 0] + left[..., 1, 1] + left[..., 2, 2]
+    return 2.0 * np.arctan2(along, 1.0 + trace)
 
 
 def _angles(a: Array, b: Array) -> Array:

@@ -34,6 +34,11 @@ class Splines:
     places: Array
     """From these to places at the parameters, shape (spline, joint, 6)."""
 
+    @property
+    def middles(self) -> Array:
+        """Parameters half-way between the joints, shape (spline, joint - 1)."""
+        return 0.5 * (self.parameters[:, 1:] + self.parameters[:, :-1])
+
     @classmethod
     def through(cls, lengths: Array) -> "Splines":
         """Return the splines for joints at distances [m] from each other, shape (spline, joint - 1)."""
