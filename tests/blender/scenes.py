@@ -281,3 +281,33 @@ def played_plainly(source: Source, options: Options | None = None) -> Array:
     ob = sprout("Plain")
     give(source, ob, options)
     return played(ob)
+
+
+def close_up(point: Sequence[float], width: float, pixels: int = 4, samples: int = 1) -> None:
+    """Let Cycles look along -X at a point of the world, with nothing behind what is there.
+
+    Args:
+        point: What is in the middle [m].
+        width: Of the picture [m].
+        pixels: Of its sides.
+        samples: Of each pixel.
+    """
+    scene = bpy.context.scene
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", width
+    camera.location, camera.rotation_euler = (point[0] + 3.0, point[1], point[2]), (np.pi / 2.0, 0.0, np.pi / 2.0)
+    scene.camera, render = camera, scene.render
+    render.engine, scene.cycles.samples, render.film_transparent = "CYCLES", samples, True
+    render.resolution_x = render.resolution_y = pixels
+    render.image_settings.color_mode = "RGBA"
+
+
+def covered(frame: int, folder: Path, name: str) -> Array:
+    """Render one frame and return how far each pixel is covered, 0 to 1, shape (pixel,)."""
+    scene = bpy.context.scene
+    scene.frame_start = scene.frame_end = frame
+    scene.render.filepath = str(folder / f"{name}.png")
+    bpy.ops.render.render(animation=True)
+    image = bpy.data.images.load(next(map(str, folder.glob(f"{name}.png*"))))
+    return np.array(image.pixels[:])[3::4]

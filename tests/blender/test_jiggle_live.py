@@ -263,25 +263,12 @@ def test_what_only_stepping_could_tell_is_said_and_comes_when_it_is_baked() -> N
 def test_renders_show_the_pose_of_the_viewport(tmp_path: Path) -> None:
     hound = acts.character("hound")
     _leap([hound])
-    scene = bpy.context.scene
-    tip = _tip(hound, [12])[0]
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(camera)
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 0.02
-    camera.location, camera.rotation_euler = (tip[0] + 3.0, tip[1], tip[2]), (np.pi / 2.0, 0.0, np.pi / 2.0)
-    scene.camera, render = camera, scene.render
-    render.engine, scene.cycles.samples, render.film_transparent = "CYCLES", 1, True
-    render.resolution_x = render.resolution_y = 4
-    render.image_settings.color_mode = "RGBA"
-    scene.frame_start = scene.frame_end = 12
+    scenes.close_up(_tip(hound, [12])[0], 0.02)
     covered = []
     for jiggle in (True, False):
         of_rig(hound).jiggles.enabled = jiggle
-        scene.frame_set(3)
-        render.filepath = str(tmp_path / f"{jiggle}.png")
-        bpy.ops.render.render(animation=True)
-        image = bpy.data.images.load(next(map(str, tmp_path.glob(f"{jiggle}.png*"))))
-        covered.append(float(np.array(image.pixels[:])[3::4].mean()))
+        bpy.context.scene.frame_set(3)
+        covered.append(scenes.covered(12, tmp_path, str(jiggle)).mean())
     assert covered[0] == 1.0
     assert covered[1] < 0.8
 

@@ -17,7 +17,7 @@ from morph_retarget.core.errors import MotionError
 from morph_retarget.core.morph.channels import Channel, MirrorRule, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acting, acts, scenes, window
 from tests.blender.acts import Act
 from tools import armatures, creatures
 
@@ -108,25 +108,25 @@ def test_a_skinned_mesh_is_rendered_where_the_bones_are(tmp_path: Path) -> None:
     act = acts.act([acts.character("biped")], HANDS)
     for frame, y in ((1, 0.0), (20, -0.6)):
         act.key(frame, position=(0.0, y, 0.3))
-    scene = bpy.context.scene
-    hand = scenes.heads(act.obs[0], ["Hand.L"], [20])[0, 0]
-    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(camera)
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 0.05
-    camera.location, camera.rotation_euler = (hand[0] + 3.0, hand[1], hand[2]), (np.pi / 2.0, 0.0, np.pi / 2.0)
-    scene.camera, render = camera, scene.render
-    render.engine, scene.cycles.samples, render.film_transparent = "CYCLES", 1, True
-    render.resolution_x = render.resolution_y = 4
-    render.image_settings.color_mode = "RGBA"
-    scene.frame_set(1)
-    covered = []
-    for frame in (20, 1):
-        render.filepath = str(tmp_path / f"{frame}.png")
-        scene.frame_start = scene.frame_end = frame
-        bpy.ops.render.render(animation=True)
-        image = bpy.data.images.load(next(map(str, tmp_path.glob(f"{frame}.png*"))))
-        covered.append(float(np.array(image.pixels[:])[3::4].max()))
-    assert covered == [1.0, 0.0]
+    scenes.close_up(scenes.heads(act.obs[0], ["Hand.L"], [20])[0, 0], 0.05)
+    bpy.context.scene.frame_set(1)
+    assert [scenes.covered(frame, tmp_path, str(frame)).max() for frame in (20, 1)] == [1.0, 0.0]
+
+
+def test_motion_blur_is_that_of_the_baked_action(tmp_path: Path) -> None:
+    act = acts.act([acts.character("biped")], HANDS)
+    [ob] = act.obs
+    for frame, y in ((1, 0.3), (6, -0.6)):
+        act.key(frame, position=(0.0, y, 0.3))
+    scenes.close_up(scenes.heads(ob, ["Hand.L"], [4])[0, 0], 0.5, 24, 16)
+    sharp = scenes.covered(4, tmp_path, "sharp")
+    bpy.context.scene.render.use_motion_blur = True
+    live = scenes.covered(4, tmp_path, "live")
+    acting.baked(ob)
+    baked = scenes.covered(4, tmp_path, "baked")
+    assert np.abs(live - sharp).mean() > 0.02, "the hand moves while the shutter is open"
+    # Baked keys go straight from frame to frame, and 16 samples leave some noise.
+    assert np.abs(live - baked).mean() < 0.3 * np.abs(live - sharp).mean()
 
 
 def test_motion_blur_asks_for_frames_between_and_leaves_no_trace() -> None:
