@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 import bpy
 import numpy as np
@@ -16,6 +16,11 @@ from ..rig import Rig, pose_bone, pose_of, rotations_of
 
 Singles = NDArray[np.float32]
 _WIDTHS = {"rotation_quaternion": 4, "rotation_euler": 3, "rotation_axis_angle": 4, "location": 3}
+
+
+_MODES: Any = bpy.types.PoseBone.bl_rna.properties["rotation_mode"]
+_QUATERNION: int = _MODES.enum_items["QUATERNION"].value
+"""How Blender numbers that rotation mode."""
 
 
 def channels_of(rig: Rig, played: Played) -> list[Channel]:
@@ -56,14 +61,12 @@ class Setting:
         bones, names = pose_of(rig.object).bones, rig.skeleton.names
         rows = [i for i, bone in enumerate(played.bones) if names[bone] not in but] if but else range(len(played.bones))
         places, basis = rig.pose_order[played.bones[rows]], played.basis[:1, rows]
-        quaternions: list[int] = []
+        by_quaternion = np.frombuffer(modes(rig.object), dtype=np.int32)[places] == _QUATERNION
+        quaternions = np.flatnonzero(by_quaternion)
         others: dict[str, list[tuple[int, Array]]] = {}
-        for i, place in enumerate(places.tolist()):
-            if (owner := bones[place]).rotation_mode == "QUATERNION":
-                quaternions.append(i)
-            else:
-                channel = channels.rotation(owner, None, basis[:, i])
-                others.setdefault(channel.prop, []).append((place, channel.values[0]))
+        for i in np.flatnonzero(~by_quaternion).tolist():
+            channel = channels.rotation(bones[places[i]], None, basis[:, i])
+            others.setdefault(channel.prop, []).append((int(places[i]), channel.values[0]))
         moved = [channels.location(rig, channels.movable(rig, played.root), played.shift[:1])]
         moved = [own for own in (*moved, *_stretched(rig, played)) if own.bone not in but]
         at = [rig.pose_order[rig.skeleton.index[own.bone or ""]] for own in moved]
@@ -72,7 +75,7 @@ class Setting:
         for i, own in enumerate(moved, len(places)):
             still[i] = own.values[0]
         out = {"location": (np.append(places, at).astype(np.intp), still)}
-        if quaternions:
+        if len(quaternions):
             out["rotation_quaternion"] = (places[quaternions], basis[0, quaternions])
         for prop, given in others.items():
             out[prop] = (np.array([place for place, _ in given]), np.array([value for _, value in given]))

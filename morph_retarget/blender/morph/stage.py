@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import bpy
 import numpy as np
@@ -189,8 +189,14 @@ def to_character(member: Member, frame: Array, world: Array) -> Array:
         frame: The matrix of its object, which it goes with, shape (4, 4).
         world: The point [m], shape (3,).
     """
-    local = np.linalg.solve(frame[:3, :3], world - frame[:3, 3]).astype(np.float64)
-    return member.character.local_to_character.points(local)
+    inverse = _inverse(frame.astype(np.float64).tobytes())
+    return member.character.local_to_character.points(inverse[:3, :3] @ world + inverse[:3, 3])
+
+
+@lru_cache(maxsize=64)
+def _inverse(matrix: bytes) -> Array:
+    """Return the inverse of a matrix; those of objects that stand still are asked for again and again."""
+    return np.linalg.inv(np.frombuffer(matrix, dtype=np.float64).reshape(4, 4)).astype(np.float64)
 
 
 def _matrix_of(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Array:
