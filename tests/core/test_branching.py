@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from morph_retarget.core.skeleton import pose_from_basis
 from morph_retarget.core.solve import posing
 from morph_retarget.core.solve.goals import Goals
 from morph_retarget.core.solve.plan import Plan
-from tests.morph_bodies import MIRROR
+from tests.morph_bodies import MIRROR, real_characters
 from tests.skeletons import skeleton_of
 from tools.figure import Bone, Build, humanoid
 
@@ -171,3 +172,24 @@ def test_goals_that_nothing_can_meet_give_a_pose_all_the_same(far: float) -> Non
         pose = posing.solve(plan, replace(goals, positions=np.repeat(positions[None], 4, axis=0)))
         assert np.isfinite(pose.rotations).all()
         assert np.isfinite(pose.positions).all()
+
+
+def test_of_two_bodies_that_the_same_joints_move_the_first_one_has_them() -> None:
+    character = analyze(skeleton_of(humanoid(1.75, build=Build(fingers=5)), np.random.default_rng(0)))
+    names = ("leftThumbMetacarpal", "leftIndexProximal", "leftMiddleProximal")  # all on the hand
+    ends = [character.skeleton.index[name] for name in names if name in character.skeleton.index]
+    plan = _plan(character, ends)
+    assert [character.skeleton.names[body] for body in plan.unreachable] == [
+        character.skeleton.names[body] for body in sorted(ends)[1:]
+    ]
+    goals = _goals(character, plan, ends, 5)
+    assert np.isfinite(posing.solve(plan, goals).positions).all()
+
+
+def test_any_ends_of_real_rigs_can_have_goals_together(data: Path) -> None:
+    for character in real_characters(data).values():
+        parents = set(character.skeleton.parents.tolist())
+        ends = [body for body in range(len(character.skeleton)) if body not in parents][:24]
+        plan = _plan(character, ends)
+        goals = _goals(character, plan, ends, 2)
+        assert np.isfinite(posing.solve(plan, goals).positions).all(), character.skeleton.names[:3]

@@ -138,3 +138,12 @@ def test_each_pose_of_a_limb_depends_on_its_own_goal_alone() -> None:
     goals = length * rng.normal(size=(500, 3))
     order = rng.permutation(500)
     assert np.array_equal(_reach(limb, goals[order])[0], _reach(limb, goals)[0][order])
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_a_limb_without_length_stays_as_it_is(count: int) -> None:
+    limb = Limbs.of([np.zeros((count + 1, 3))], [np.zeros(3)])
+    for goal in (np.zeros((1, 3)), np.array([[0.3, -0.2, 0.1]]), np.full((1, 3), 1e9)):
+        turned = limb_phase.solve(limb, goal[:, None])
+        assert np.isfinite(turned).all()
+        assert np.abs(np.linalg.det(turned) - 1.0).max() < 1e-9

@@ -32,6 +32,7 @@ BENDS = 0.8
 """Share of its rest line to which a limb is bent, to see which way it does."""
 GIVES_WAY = 0.15
 """Share of a bone's length by which one correction of a neighbour changes it at most."""
+_ANY = np.array([0.0, 0.0, -1.0])
 LEAN = 1.0
 """How far the bones of a straight limb lean for a way that has vanished altogether, as the tangent of the angle."""
 
@@ -90,10 +91,14 @@ class Limbs:
 
     @cached_property
     def lines(self) -> Array:
-        """Unit vectors from start to end at rest; that of the first bone where the two coincide; shape (limb, 3)."""
+        """Unit vectors from start to end at rest, shape (limb, 3).
+
+        That of the first bone where the two coincide, and any where a limb has no length at all.
+        """
         whole = self.segments.sum(axis=1)
         first = self.segments[np.arange(len(self.full)), (self.lengths > TINY).argmax(axis=1)]
-        return quat.unit(np.where(self.chords[:, None] > 1e-6 * self.full[:, None], whole, first))
+        out = quat.unit(np.where(self.chords[:, None] > 1e-6 * self.full[:, None], whole, first))
+        return np.where(out.any(axis=-1, keepdims=True), out, _ANY)
 
     @cached_property
     def directions(self) -> Array:

@@ -53,6 +53,11 @@ class Wave:
     elastic: Elastic | None = None
     """What of them may stretch, None when nothing may."""
 
+    @property
+    def ends(self) -> list[int]:
+        """The bodies at the ends of the limbs; none for a stem, whose last bone leads to no single one."""
+        return [limb.body for limb in self.limbs] if self.stem is None else []
+
     @cached_property
     def joints(self) -> list[tuple[int, int, int]]:
         """All joints, with the limb and the place in it that each has among the chains."""
@@ -90,13 +95,17 @@ class Trunk:
     last: int
     """The body at the last branch point, NONE when it is where a bone ends."""
 
+    @property
+    def ends(self) -> tuple[int, ...]:
+        """The bodies at the ends of its bones, NONE where there is none."""
+        return (*self.joints[1:], self.last)
+
     @cached_property
     def drawn(self) -> dict[int, int]:
         """Bodies whose joints move when bones of the spine stretch, and the places of these bones among its joints."""
         if self.spine.free is None:
             return {}
-        ends = (*self.joints[1:], self.last)
-        return {body: i for i, body in enumerate(ends) if self.spine.free[i] and body != NONE}
+        return {body: i for i, body in enumerate(self.ends) if self.spine.free[i] and body != NONE}
 
 
 @dataclass(frozen=True, eq=False)
