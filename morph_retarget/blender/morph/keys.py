@@ -127,16 +127,21 @@ def _plays(ob: bpy.types.Object, action: bpy.types.Action) -> bool:
     return data.action == action or any(strip.action == action for track in data.nla_tracks for strip in track.strips)
 
 
-def by_name(action: bpy.types.Action, ob: bpy.types.Object) -> None:
-    """Give curves that name channels and deforms by their numbers on a character their names instead."""
-    bag = bag_of(action)
+def by_name(action: bpy.types.Action, ob: bpy.types.Object) -> bool:
+    """Give curves that name channels and deforms by their numbers on a character their names instead.
+
+    Returns:
+        Whether there are numbers left, which mean nothing on this character.
+    """
+    bag, left = bag_of(action), False
     numbered = [curve for curve in bag.fcurves if _NUMBERED.match(curve.data_path)]
     if not numbered:
-        return
+        return False
     named = {(curve.data_path, curve.array_index): curve for curve in bag.fcurves}
     for curve in numbered:
         found = _named(curve.data_path, ob)
         if found is None:
+            left = True
             continue
         name, wanted = found
         there = named.get((wanted, curve.array_index))
@@ -148,6 +153,7 @@ def by_name(action: bpy.types.Action, ob: bpy.types.Object) -> None:
         for point in curve.keyframe_points:
             there.keyframe_points.insert(*point.co)
         bag.fcurves.remove(curve)
+    return left
 
 
 def _named(numbered: str, ob: bpy.types.Object) -> tuple[str, str] | None:

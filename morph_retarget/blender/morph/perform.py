@@ -61,10 +61,11 @@ def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> 
     """Put right what Blender has just keyed by number, and generalize specialized curves that were reshaped."""
     layer = bpy.context.view_layer
     active = layer.objects.active if layer is not None else None
+    done: set[bpy.types.Action] = set()
     for ob in sorted(found, key=lambda ob: ob != active):  # numbers are those of the object that was keyed
         action = cast.action_of(ob)
-        if action is not None and action in edited:
-            keys.by_name(action, ob)
+        if action is not None and action in edited and action not in done and not keys.by_name(action, ob):
+            done.add(action)
     for action in {action for ob in found if (action := cast.action_of(ob)) is not None}:
         for empty in specialized.stand_ins(action):
             own = empty.animation_data.action if empty.animation_data else None

@@ -7,13 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from .. import quat
-from ..arrays import Indices
+from ..arrays import Array, Indices
 from ..errors import listed
 from . import movement
 from .bodies import Bodies
 from .branch import Branch
 from .channels import Channel, MirrorRule, TargetKind
 from .context import TIE, select_each
+from .movement import Frames
 from .variants import Group, variant_product
 
 NONE = -1
@@ -119,6 +120,19 @@ class Plan:
         """Entries for bodies that others turn before them, shape (later,)."""
         self.first: Indices = first[self.later]
         """For each of these the first entry that turns its body."""
+        self._last: tuple[bytes, Frames] | None = None
+
+    def toward(self, targets: Array) -> Frames:
+        """Return the frames turned toward targets [m], shape (frame, entry, 3).
+
+        Those of a single frame are kept for the next one: most targets stand still while keys are edited.
+        """
+        if len(targets) > 1:
+            return self.frames.toward(targets)
+        told = targets.tobytes()
+        if self._last is None or self._last[0] != told:
+            self._last = told, self.frames.toward(targets)
+        return self._last[1]
 
 
 def bind(

@@ -35,7 +35,7 @@ def frames_of(binding: Binding, external: Mapping[int, Array], posed: Array | No
         targets[:, followed] = rest[:, plan.target[followed]]
     for i, channel in plan.external:
         targets[:, i] = external[channel]
-    return plan.frames.toward(targets)
+    return plan.toward(targets)
 
 
 def goals_of(binding: Binding, values: Values, found: Frames) -> Goals:
