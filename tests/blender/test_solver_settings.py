@@ -83,7 +83,7 @@ def test_each_setting_arrives(act: Act) -> None:
             if prop.type not in {"FLOAT", "INT"} or name == "active_limb":
                 continue
             assert not prop.is_animatable, "a clip is solved as a whole"
-            was, value = getattr(group, name), prop.hard_min + 0.25 * (prop.hard_max - prop.hard_min)
+            was, value = getattr(group, name), prop.hard_min + 0.3 * (prop.hard_max - prop.hard_min)
             setattr(group, name, int(value) if prop.type == "INT" else value)
             told = own.settings(["Hand.L"])
             found = getattr(told if group == own else told.limbs["Hand.L"], name)
