@@ -12,6 +12,9 @@ ROOT = Path(__file__).resolve().parent.parent
 DATA = Path(os.environ.get("MORPH_RETARGET_DATA", ROOT.parent / "shared" / "data"))
 """Real rigs, mocap and truth tables; they are not part of this repository."""
 
+# Blender as a module sets it for the processes that it starts, and these say so where tests expect JSON alone.
+os.environ.pop("OCIO", None)
+
 hypothesis.settings.register_profile("steady", derandomize=True, deadline=None, max_examples=60)
 hypothesis.settings.load_profile("steady")
 
