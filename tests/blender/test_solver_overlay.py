@@ -228,7 +228,7 @@ def test_nothing_is_worked_out_when_it_is_off(reach: Act, monkeypatch: pytest.Mo
     del reach
 
 
-def test_edits_of_bones_and_undo_leave_it_with_the_pose(reach: Act) -> None:
+def test_edits_of_bones_leave_it_with_the_pose(reach: Act) -> None:
     ob = reach.obs[0]
     bpy.ops.object.mode_set(mode="EDIT")
     ob.data.edit_bones.remove(next(bone for bone in ob.data.edit_bones if not bone.children))
