@@ -6,6 +6,7 @@ import numpy as np
 
 from . import play
 from .arrays import Array
+from .layering import Layer
 from .morph.channels import Values
 from .play import Part, Played, Stretched
 from .solve.goals import Goals
@@ -15,13 +16,15 @@ BLOCK = 256
 """Frames that are evaluated at once."""
 
 
-def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Generator[float, None, Played]:
+def evaluate(
+    part: Part, values: Values, external: Mapping[int, Array], lower: Layer | None = None
+) -> Generator[float, None, Played]:
     """Play a clip in steps; yields the share done and returns what `play.evaluate` does, with its arguments."""
     count, done = len(values), list[Played]()
     for start in range(0, count, BLOCK):
         rows = slice(start, start + BLOCK)
         targets = {channel: places if len(places) == 1 else places[rows] for channel, places in external.items()}
-        done.append(play.evaluate(part, values.at(rows), targets))
+        done.append(play.evaluate(part, values.at(rows), targets, None if lower is None else lower.at(rows)))
         if start + BLOCK < count:
             yield (start + BLOCK) / count
     return done[0] if len(done) == 1 else joined(done)

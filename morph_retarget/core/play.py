@@ -11,11 +11,12 @@ from functools import cached_property
 
 import numpy as np
 
-from . import quat, rotation
+from . import layering, quat, rotation
 from .arrays import Array, Indices
 from .character.character import Character
 from .character.frame import Placement
 from .character.morphology import Capability
+from .layering import Layer, Wanted
 from .morph import specialize
 from .morph.bind import Binding
 from .morph.bodies import Bodies
@@ -50,7 +51,7 @@ class Part:
 
     @cached_property
     def stretching(self) -> Indices:
-        """Bones whose heads move when bones stretch, shape (n,)."""
+        """Bones whose heads move off where their parents hold them, shape (n,)."""
         return np.array(self.pose.stretched, dtype=np.intp)
 
     @cached_property
@@ -89,7 +90,10 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Stretched:
-    """Bones that are moved off where their parents hold them, where others have got longer or shorter."""
+    """Bones that are moved off where their parents hold them, where others have got longer or shorter.
+
+    Feet and hands that do not hang on their limbs are always among them.
+    """
 
     bones: Indices
     """Shape (n,)."""
@@ -117,7 +121,7 @@ class Played:
     followed: Array | None
     """Positions of all bodies that targets were taken from [m], character frame, shape (frame, body, 3)."""
     stretched: Stretched | None = None
-    """What moves as bones stretch, None where none may."""
+    """What moves as bones stretch, or hangs elsewhere than on its limb, None where nothing does."""
 
 
 def prepare(
@@ -126,6 +130,7 @@ def prepare(
     settings: SolverSettings = DEFAULT,
     limits: JointLimits | None = None,
     fixed: Collection[int] = (),
+    lower: Wanted = (),
 ) -> Part:
     """Return how a binding plays on its character.
 
@@ -135,52 +140,63 @@ def prepare(
         settings: How the solver is tuned for it.
         limits: What limits its joints.
         fixed: Bones whose heads cannot move off where their parents hold them.
+        lower: Goals of a layer that the action is laid over, first that of the body which then carries all others.
     """
     first = None
     if binding.plan.follows_bodies:
         first = prepare(character, binding.without_followers(), settings, limits, fixed)
     bodies = binding.bodies
-    root = (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
     wanted: dict[int, tuple[bool, bool]] = {}
     for entry in binding.entries:
         position, rotation = wanted.get(entry.body, (False, False))
         wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
-    pose = posing.prepare(character, bodies.positions, root, goals, settings, limits, fixed)
+    both = layering.wanted(goals, lower)
+    root = lower[0][0] if lower else root_of(bodies)
+    pose = posing.prepare(character, bodies.positions, root, both, settings, limits, fixed)
     return Part(character, binding, pose, first)
 
 
-def evaluate(part: Part, values: Values, external: Mapping[int, Array]) -> Played:
+def root_of(bodies: Bodies) -> int:
+    """Return the body that carries all others."""
+    return (bodies.with_capability(Capability.ROOT) or bodies.tree.roots)[0]
+
+
+def evaluate(part: Part, values: Values, external: Mapping[int, Array], lower: Layer | None = None) -> Played:
     """Return a batch of frames.
 
     Args:
         part: From `prepare`.
         values: Of the action's channels.
         external: Target of each channel that has an external one [m], character frame, shapes (frame or 1, 3).
+        lower: What the action is laid over, as the part was prepared for.
     """
-    followed = _followed(part, values, external)
-    goals = _goals(part, values, external, followed)
+    seen = external if lower is None else lower.seen(external)
+    followed = _followed(part, values, seen)
+    goals = _goals(part, values, seen, followed, lower)
     pose = posing.solve(part.pose, goals)
     turns, above = pose.rotations.take(part.leaders, axis=1), part.carried(pose)
     # A basis rotation is what a bone turns beyond its parent, seen in its own rest frame.
     basis = quat.from_matrix(rotation.transposed(above @ part.rest_frames) @ turns @ part.rest_frames)
     shift = pose.shift @ part.to_local.rotation.T * part.to_local.scale
     stretched = None
-    if pose.stretched is not None:
-        bones = part.stretching
-        shifts = pose.stretched.take(part.pose.led_by[bones], axis=1)
-        stretched = Stretched(bones, shifts @ part.to_local.rotation.T * part.to_local.scale)
+    if pose.shifts is not None:
+        stretched = Stretched(part.stretching, pose.shifts @ part.to_local.rotation.T * part.to_local.scale)
     deforms = specialize.deforms_of(part.binding, values)
     return Played(part.bones, basis, part.pose.root, shift, goals, pose, deforms, followed, stretched)
 
 
-def goals_at(part: Part, values: Values, external: Mapping[int, Array]) -> Goals:
+def goals_at(part: Part, values: Values, external: Mapping[int, Array], lower: Layer | None = None) -> Goals:
     """Return where bodies shall be, without the pose that gets them there; arguments as for `evaluate`."""
-    return _goals(part, values, external, _followed(part, values, external))
+    seen = external if lower is None else lower.seen(external)
+    return _goals(part, values, seen, _followed(part, values, seen), lower)
 
 
-def _goals(part: Part, values: Values, external: Mapping[int, Array], followed: Array | None) -> Goals:
-    return specialize.goals_of(part.binding, values, specialize.frames_of(part.binding, external, followed))
+def _goals(
+    part: Part, values: Values, external: Mapping[int, Array], followed: Array | None, lower: Layer | None
+) -> Goals:
+    own = specialize.goals_of(part.binding, values, specialize.frames_of(part.binding, external, followed))
+    return own if lower is None else layering.together(lower.carries(own), lower.goals)
 
 
 def _followed(part: Part, values: Values, external: Mapping[int, Array]) -> Array | None:

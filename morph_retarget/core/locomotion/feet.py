@@ -1,0 +1,229 @@
+"""The feet of a body at any time: standing on their plants, rolling over heel and ball, flying to the next.
+
+What touches the ground stays where it is: first the heel, then the whole sole, then the point in front about which the
+foot rolls off. In flight it is that point whose way is drawn, so that a foot leaves the ground as it rolled.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags, Indices
+from .contacts import Contacts
+from .foot_path import FootPath
+from .moving import LEFT, UP, eased
+from .plants import Plants, climbed
+from .sizes import Sizes
+
+LANDED = 0.2
+"""Share of the stance after which a foot that landed on its heel lies flat."""
+HEEL_OFF = 0.5
+"""Share of the stance after which the heel leaves the ground."""
+TRAILING = 0.5
+"""Share of the flight after which toes are no longer bent."""
+RAMP = 1.0 / 3.0
+"""Share of a stance over which a foot takes over its load, and over which it gives it away."""
+FREE = 0.15
+"""Share of the flight after which, and before which, the body goes its way whether its leg reaches the foot or not."""
+MOST_SWING = 1.5
+"""A foot that swings on as it leaves the ground turns no further than this, in shares of the roll."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rolls:
+    """How far feet are turned over their toes and heels, by cycle."""
+
+    off: Array
+    """As they leave [rad], shape (leg, cycle)."""
+    strike: Array
+    """Toes up as they land [rad], shape (leg, cycle)."""
+    lift: Array
+    """Height of the flight that follows [m], shape (leg, cycle)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """Everything about the feet of a body over a course; from it they are read at any time."""
+
+    contacts: Contacts
+    plants: Plants
+    rolls: Rolls
+    sizes: Sizes
+    usual: Array
+    """How long a stance usually lasts as each begins [s], shape (leg, cycle)."""
+    outward: Array
+    """+1 for legs on the left, -1 on the right, 0 in the middle, shape (leg,)."""
+    path: FootPath
+
+    @cached_property
+    def table(self) -> Array:
+        """All that is known of each cycle and of the landing after it, side by side, shape (leg * cycle, column).
+
+        One look into one table is several times faster than one into each of many.
+        """
+        contacts, plants, rolls = self.contacts, self.plants, self.rolls
+        heels = plants.places + quat.rotate(plants.turns, _of_all(self.sizes.heels, plants.places))
+        tips = plants.places + quat.rotate(plants.turns, _of_all(self.sizes.tips, plants.places))
+        up = quat.multiply(plants.turns, quat.from_axis_angle(LEFT, -rolls.strike))
+        landings = heels + quat.rotate(up, _of_all(self.sizes.tips - self.sizes.heels, heels))
+        own = [
+            contacts.touch,
+            contacts.lift,
+            rolls.off,
+            rolls.strike,
+            rolls.lift,
+            plants.floors,
+            plants.headings,
+            self.usual,
+        ]
+        now = np.concatenate([np.stack(own, axis=-1), plants.turns, tips, heels], axis=-1)
+        later = np.stack([contacts.touch, rolls.strike, plants.floors, plants.headings], axis=-1)
+        later = _next(np.concatenate([later, plants.turns, landings], axis=-1))
+        # The last cycle of a foot has no end.
+        number: Indices = np.arange(len(contacts.touch[0]))
+        last = number >= contacts.counts[:, None] - 1
+        later[last, 0], now[last, 1] = np.inf, np.inf
+        later[last, 1:8] = now[last][:, [3, 5, 6, 8, 9, 10, 11]]
+        later[last, 8:] = tips[last]
+        return np.concatenate([now, later], axis=-1).reshape(-1, now.shape[-1] + later.shape[-1])
+
+
+def _of_all(offsets: Array, places: Array) -> Array:
+    return np.broadcast_to(offsets[:, None], places.shape)
+
+
+def _next(values: Array) -> Array:
+    """Return values of the cycle after each one, shape (leg, cycle, n)."""
+    return np.concatenate([values[:, 1:], values[:, -1:]], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Feet:
+    """Where feet are over some frames, ground frame."""
+
+    places: Array
+    """Of their joints [m], shape (frame, leg, 3)."""
+    turns: Array
+    """From rest, shape (frame, leg, 4)."""
+    flat: Array
+    """The same without their roll: toes that stay on the ground, shape (frame, leg, 4)."""
+    pitch: Array
+    """Roll: toes down above 0 [rad], shape (frame, leg)."""
+    toes: Array
+    """The same of toes: they lie on the ground while the heel rises, and trail in the air, shape (frame, leg)."""
+    standing: Flags
+    """Whether each is on the ground, shape (frame, leg)."""
+    held: Array
+    """How much the body has to keep each in reach: 1 on the ground, falling to 0 in flight, shape (frame, leg)."""
+    load: Array
+    """How much each carries, from 0 in flight to 1, without jumps, shape (frame, leg)."""
+    floors: Array
+    """Height of the ground that each stands on or flies toward [m], shape (frame, leg)."""
+    headings: Array
+    """Of the body that the plants were made for [rad], shape (frame, leg)."""
+
+
+def at(steps: Steps, times: Array) -> Feet:
+    """Return the feet at some times [s], shape (frame,)."""
+    sizes, most = steps.sizes, steps.contacts.touch.shape[1]
+    at_leg: Indices = most * np.arange(len(sizes.lengths))
+    row = steps.table.take(steps.contacts.cycles(times) + at_leg, axis=0)
+    touch, lift, off, strike, high, floor, heading, usual = (row[..., i] for i in range(8))
+    turn, tip, heel = row[..., 8:12], row[..., 12:15], row[..., 15:18]
+    landing, next_strike, next_floor, next_heading = (row[..., i] for i in range(18, 22))
+    next_turn, next_tip = row[..., 22:26], row[..., 26:29]
+    time = times[:, None]
+    standing = time <= lift
+    endless = np.isinf(lift)
+    lasts = np.where(endless, np.inf, np.maximum(lift - touch, 1e-9))
+    span = np.where(endless, 1.0, np.maximum(landing - np.where(endless, 0.0, lift), 1e-9))
+    stance = np.clip((time - touch) / lasts, 0.0, 1.0)
+    flight = np.where(standing, 0.0, np.clip((time - np.where(standing, time, lift)) / span, 0.0, 1.0))
+    way = steps.path.at(flight)
+    along = way[..., 0]
+    rolled = _rolled(off, strike, stance)
+    pitch = np.where(standing, rolled, _swung(off, next_strike, flight, span / lasts) + way[..., 3])
+    near = np.where((turn * next_turn).sum(axis=-1, keepdims=True) < 0.0, -next_turn, next_turn)
+    flat = quat.normalize(turn + along[..., None] * (near - turn))
+    turns = quat.multiply(flat, quat.from_axis_angle(LEFT, pitch))
+    step = next_tip - tip
+    front = tip + along[..., None] * step
+    front[..., 2] = tip[..., 2] + climbed(flight, step[..., 2]) * step[..., 2] + way[..., 1] * high
+    if steps.path.swerves:
+        front += quat.rotate(flat, LEFT) * (way[..., 2] * steps.outward * sizes.lengths)[..., None]
+    # While the toes are up it is the heel that stays.
+    on_heel = (standing & (pitch < 0.0))[..., None]
+    held, pivot = np.where(on_heel, heel, front), np.where(on_heel, sizes.heels, sizes.tips)
+    places = held - quat.rotate(turns, pivot)
+    toes = np.where(standing, np.minimum(pitch, 0.0), pitch * eased(flight / TRAILING))
+    floors, headings = floor + along * (next_floor - floor), heading + along * (next_heading - heading)
+    held = 1.0 - eased(np.minimum(flight, 1.0 - flight) / FREE)
+    return Feet(
+        places, turns, flat, pitch, toes, standing, held, _load(time, touch, lift, usual, standing), floors, headings
+    )
+
+
+def leaned(feet: Feet, sizes: Sizes, places: Array, headings: Array) -> Feet:
+    """Return feet of which the long ones lean with their legs, what stands on the ground where it is.
+
+    A last bone that is a large part of its leg would stand upright like a pole under the knee.
+
+    Args:
+        feet: From `at`.
+        sizes: Of the feet.
+        places: Of the body on the ground [m], shape (frame, 3).
+        headings: Of the body [rad], shape (frame,).
+    """
+    long = np.flatnonzero(sizes.long)
+    if not len(long):
+        return feet
+    heading = np.broadcast_to(quat.from_axis_angle(UP, headings)[:, None], (len(headings), len(long), 4))
+    turns, tips = feet.turns[:, long], sizes.tips[long]
+    ends = feet.places[:, long] + quat.rotate(turns, np.broadcast_to(tips, (*turns.shape[:2], 3)))
+    rest = sizes.hips[long] - sizes.homes[long] - tips
+    hips = quat.rotate(heading, np.broadcast_to(sizes.hips[long], ends.shape)) + places[:, None]
+    lean = quat.between(quat.rotate(heading, np.broadcast_to(rest, ends.shape)), hips - ends)
+    out = replace(feet, places=feet.places.copy(), turns=feet.turns.copy())
+    out.turns[:, long] = quat.multiply(lean, turns)
+    out.places[:, long] = ends - quat.rotate(out.turns[:, long], np.broadcast_to(tips, ends.shape))
+    return out
+
+
+def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
+    """Return feet of which the flying ones stay in reach of their hips.
+
+    Args:
+        feet: From `at`.
+        hips: Where their legs begin [m], shape (frame, leg, 3).
+        longest: How far they may be from there [m], shape (leg,).
+    """
+    away = feet.places - hips
+    share = np.minimum(longest / np.maximum(quat.length(away), 1e-9), 1.0)
+    return replace(feet, places=feet.places + ((1.0 - feet.held) * (share - 1.0))[..., None] * away)
+
+
+def _rolled(off: Array, strike: Array, stance: Array) -> Array:
+    """Return the roll of standing feet: down onto the sole, then over the ball [rad], shape (frame, leg)."""
+    rising = np.maximum(stance - HEEL_OFF, 0.0) / (1.0 - HEEL_OFF)
+    return off * rising**2 - strike * (1.0 - eased(stance / LANDED))
+
+
+def _swung(off: Array, strike: Array, flight: Array, ratio: Array) -> Array:
+    """Return the roll of flying feet, which goes on as it began and ends as they land [rad], shape (frame, leg).
+
+    Args:
+        off: Roll as they left.
+        strike: Roll, upward, as they will land.
+        flight: Share of the flight.
+        ratio: How long they fly for each second that they stood.
+    """
+    slope, left = np.minimum(2.0 / (1.0 - HEEL_OFF) * ratio, 4.0 * (MOST_SWING - 1.0)) * off, 1.0 - flight
+    return (off * (1.0 + 2.0 * flight) + slope * flight) * left**2 - strike * flight**2 * (3.0 - 2.0 * flight)
+
+
+def _load(time: Array, touch: Array, lift: Array, usual: Array, standing: Flags) -> Array:
+    """Return how much feet carry: more over the first and less over the last part of a stance, shape (frame, leg)."""
+    ramp = np.maximum(np.minimum(np.where(np.isinf(lift), np.inf, lift - touch), usual) * RAMP, 1e-9)
+    return np.where(standing, eased((time - touch) / ramp) * eased((lift - time) / ramp), 0.0)

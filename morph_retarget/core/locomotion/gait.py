@@ -1,0 +1,292 @@
+"""The gait system, Hecker 2008 §4.2: from the way of a body to goals for its feet, hips, spine and arms.
+
+    legs, course, styles ─► pace (phase) ─► contacts (when) ─► plants (where)        prepare, once a clip
+    times ─► feet ─► trunk ─► arms ─► goals                                          evaluate, any frames in one batch
+
+The phase is the integral of the frequency over the way and plants are functions of the phase, so any frame can be asked
+for alone and is the same.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags
+from ..character.character import Character
+from ..errors import RigError
+from ..ground import Ground
+from ..solve.goals import Goals
+from . import arms, contacts, feet, legs, pace, patterns, plants, styles, trunk
+from .arms import Arm
+from .contacts import Contacts
+from .course import Course
+from .feet import Rolls, Steps
+from .legs import NONE, Legs
+from .moving import LEFT, carried_by, eased
+from .pace import IDLE, Drive, Pace
+from .plants import Plants
+from .settings import GaitSettings
+from .sizes import Sizes
+from .trunk import Trunk, Ways
+
+FEWEST = 0.08
+"""A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
+CROUCHES = 0.12
+"""Hips may be lowered this far for a long stride [leg lengths]."""
+HURRIED = 1.02
+"""Strides that have to be shortened by more than this factor are told of."""
+GOING = 0.1
+"""Dimensionless speed from which on the body moves as the style wants it; one that stands is still."""
+LONGEST_STANCE = 1.5
+"""A step is made for a stance of this many times the usual one at most, however long the foot then stands."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gait:
+    """A character's gait over a course, ready to be evaluated."""
+
+    character: Character
+    course: Course
+    legs: Legs
+    trunk: Trunk
+    arms: tuple[Arm, ...]
+    paces: tuple[Pace, ...]
+    """Of all groups of legs."""
+    steps: Steps
+    settings: GaitSettings
+    wanted: tuple[tuple[int, bool, bool], ...]
+    """For each goal its body, and whether it has a place and a turn."""
+    warnings: tuple[str, ...]
+    """What the user should know."""
+
+    def contacts(self, times: Array) -> Flags:
+        """Return which feet are on the ground at times [s], shape (frame,) to (frame, leg)."""
+        return self.steps.contacts.standing(times)
+
+    def phases(self, times: Array) -> Array:
+        """Return the phase of each group's cycle at times [s], shape (frame,) to (frame, group)."""
+        return np.stack([np.interp(times, own.times, own.phase) % 1.0 for own in self.paces], axis=-1)
+
+    def evaluate(self, times: Array, carried: Array | None = None) -> Goals:
+        """Return goals for a batch of frames.
+
+        Args:
+            times: [s], shape (frame,).
+            carried: From the ground frame to the character's own frame, where its object moves, shape (frame, 4, 4).
+        """
+        return evaluate(self, times, carried)
+
+
+def prepare(
+    character: Character, root: int, course: Course, settings: GaitSettings, ground: Ground | None = None
+) -> Gait:
+    """Return how a character walks along a course.
+
+    Args:
+        character: What the rig is.
+        root: The body that carries the others; where legs hang on what carries this, that is moved instead.
+        course: Where it goes.
+        settings: Styles and factors.
+        ground: What it walks on, in the ground frame; None for a ground as high as the course.
+
+    Raises:
+        RigError: It has no legs.
+    """
+    found = legs.find(character)
+    if not found.legs:
+        raise RigError("it has no legs to walk on: map its feet, or choose a movement without feet")
+    rest = character.local_to_character.points(character.skeleton.rest_positions)
+    root = carrier_of(character, root, found)
+    sizes = Sizes.of(found.legs, settings.width)
+    drive = Drive.of(course, found.groups[0].height)
+    paces = _paces(drive, found, sizes, settings)
+    own = _contacts(found, paces, course.times[list(course.cuts)])
+    usual = _by_cycle(found, paces, own, _usual_stance)
+    cycle = _by_cycle(found, paces, own, lambda given, _: 1.0 / np.maximum(given.frequency, given.idle))
+    stood = plants.find(course, own, LONGEST_STANCE * usual, cycle, sizes, ground, settings.tilt, settings.path)
+    steps = Steps(
+        own,
+        stood,
+        _rolls(found, paces, own, stood, sizes, settings),
+        sizes,
+        usual,
+        np.sign(sizes.homes[:, 0]),
+        settings.path,
+    )
+    body = trunk.find(character, rest, root, found.legs, sizes)
+    swinging = tuple(arms.find(character, rest, body, found.legs)) if settings.arms > 0.0 else ()
+    warnings = tuple(_told(found, paces, stood))
+    return Gait(
+        character,
+        course,
+        found,
+        body,
+        swinging,
+        paces,
+        steps,
+        settings,
+        tuple(_wanted(found, body, swinging)),
+        warnings,
+    )
+
+
+# --- preparing ---
+
+
+def carrier_of(character: Character, root: int, found: Legs) -> int:
+    """Return the nearest body, from the root upward, that carries all legs."""
+    ancestors = character.skeleton.tree.ancestors
+    firsts = [leg.path[0] for leg in found.legs]
+    above = (root, *ancestors[root])
+    return next((body for body in above if all(body in ancestors[first] for first in firsts)), above[-1])
+
+
+def _paces(drive: Drive, found: Legs, sizes: Sizes, settings: GaitSettings) -> tuple[Pace, ...]:
+    out: list[Pace] = []
+    for i, group in enumerate(found.groups):
+        layers = styles.named(settings.of_group.get(i, settings.styles))
+        speeds = pace.own_speeds(drive, group, sizes.homes)
+        own = patterns.pattern(layers, found.sides(group), speeds)
+        if out:
+            out.append(pace.other_pace(out[0], group, speeds, own))
+        else:
+            idle = patterns.pattern(layers, found.sides(group), np.array([IDLE]))
+            reach = min(_reach(leg, sizes, settings.crouch) for leg in group.legs)
+            out.append(
+                pace.first_pace(drive, group, speeds, own, idle, settings.stride, reach, _width(sizes, group.legs))
+            )
+    return tuple(out)
+
+
+def _reach(leg: int, sizes: Sizes, crouch: float) -> float:
+    """Return how far a foot may be from its home to the front and back while it stands [m]."""
+    length = float(sizes.lengths[leg])
+    away = sizes.homes[leg] - sizes.hips[leg]
+    if sizes.long[leg]:
+        length, away = length - float(sizes.tips[leg, 2]), away + sizes.tips[leg]
+    low = max(-away[2] - (CROUCHES + crouch) * length, 0.0)
+    # A foot that rolls over its heel and its ball stands for longer below the ankle's way.
+    rolls = 0.5 * float(sizes.soles[leg])
+    far = np.sqrt(max((trunk.LONGEST * length) ** 2 - low**2 - away[0] ** 2, 0.0)) - abs(float(away[1]))
+    return max(far + rolls, FEWEST * length)
+
+
+def _width(sizes: Sizes, own: Sequence[int]) -> float:
+    """Return how far the feet of a group are apart from left to right [m]."""
+    aside = np.abs(sizes.homes[list(own), 0]).max()
+    return max(2.0 * float(aside), FEWEST * float(sizes.lengths.max()))
+
+
+def _contacts(found: Legs, paces: tuple[Pace, ...], jumps: Array) -> Contacts:
+    cycles: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(found.legs)
+    for group, own in zip(found.groups, paces, strict=True):
+        for leg, made in zip(group.legs, contacts.of_feet(own), strict=True):
+            cycles[leg] = reduce(contacts.cut, jumps.tolist(), made)
+    return contacts.together(cycles)
+
+
+def _by_cycle(found: Legs, paces: tuple[Pace, ...], own: Contacts, curve: Callable[[Pace, int], Array]) -> Array:
+    """Return a value of each foot as it touches down, shape (leg, cycle).
+
+    Args:
+        found: The legs.
+        paces: Of their groups.
+        own: When feet touch down.
+        curve: Returns the value over the grid of a group's foot, by its place in the group, shape (sample,).
+    """
+    out = np.zeros(own.touch.shape)
+    for group, given in zip(found.groups, paces, strict=True):
+        for place, leg in enumerate(group.legs):
+            out[leg] = np.interp(own.touch[leg], given.times, curve(given, place))
+    return out
+
+
+def _usual_stance(own: Pace, place: int) -> Array:
+    return own.pattern.duty[:, place] / np.maximum(own.frequency, own.idle)
+
+
+def _rolls(
+    found: Legs, paces: tuple[Pace, ...], own: Contacts, stood: Plants, sizes: Sizes, settings: GaitSettings
+) -> Rolls:
+    """Return how feet roll and how high they fly; feet that stand on a point do not roll."""
+    share = settings.foot_roll * stood.rolls * (sizes.soles > 0.0)[:, None]
+    off = share * _by_cycle(found, paces, own, lambda given, _: given.pattern.toe_off)
+    strike = share * _by_cycle(found, paces, own, lambda given, _: given.pattern.heel_strike)
+    lift = settings.step_height * _by_cycle(found, paces, own, lambda given, _: given.pattern.lift)
+    return Rolls(off, strike, np.maximum(lift * sizes.lengths[:, None], stood.rises))
+
+
+def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants) -> Iterator[str]:
+    """Yield what the user should know."""
+    hurried = max(own.hurried for own in paces)
+    if hurried > HURRIED:
+        yield f"the legs are too short for these strides: they are {100.0 * (1.0 - 1.0 / hurried):.0f} % shorter"
+    if stood.over_nothing:
+        yield f"there is no ground under {stood.over_nothing} steps: they are as high as the way of the body"
+    stiff = sum(len(leg.path) < 3 for leg in found.legs)
+    if stiff:
+        yield f"{stiff} of its {len(found.legs)} legs have no knee: their feet slide"
+    if len(found.legs) == 1:
+        yield "it has one leg: it hops"
+
+
+def _wanted(found: Legs, body: Trunk, swinging: Sequence[Arm]) -> Iterator[tuple[int, bool, bool]]:
+    """Yield the goals that a gait has, in their order."""
+    yield body.bodies[0], True, True
+    yield from ((other, False, True) for other in body.bodies[1:])
+    yield from ((leg.foot, True, True) for leg in found.legs)
+    yield from ((leg.ball, False, True) for leg in found.legs if leg.ball != NONE)
+    yield from ((other, False, True) for arm in swinging for other in arm.bodies)
+
+
+# --- evaluating ---
+
+
+def evaluate(gait: Gait, times: Array, carried: Array | None = None) -> Goals:
+    """Return goals for a batch of frames; see `Gait.evaluate`."""
+    places, headings = gait.course.at(times)
+    moved = feet.leaned(feet.at(gait.steps, times), gait.steps.sizes, places, headings)
+    ways, swing = _ways(gait, times)
+    speed = np.interp(times, gait.paces[0].times, gait.paces[0].speeds)
+    body = trunk.carried(gait.trunk, gait.steps.sizes, places, headings, moved, ways, gait.settings.tilt)
+    moved = feet.pulled(moved, body.hips, trunk.LONGEST * gait.steps.sizes.lengths)
+    positions = np.zeros((len(times), len(gait.wanted), 3))
+    turns = np.empty((len(times), len(gait.wanted), 4))
+    count, first = len(gait.legs.legs), len(gait.trunk.bodies)
+    positions[:, 0], positions[:, first : first + count] = body.root, moved.places
+    turns[:, :first], turns[:, first : first + count] = body.turns, moved.turns
+    row = first + count
+    for i, leg in enumerate(gait.legs.legs):
+        if leg.ball != NONE:
+            turns[:, row] = quat.multiply(moved.flat[:, i], quat.from_axis_angle(LEFT, moved.toes[:, i]))
+            row += 1
+    for arm in gait.arms:
+        made = arms.swung(arm, body.turns[:, arm.carrier], body.reach, swing, speed)
+        for turned in made:
+            turns[:, row] = turned
+            row += 1
+    if carried is not None:
+        positions, turns = carried_by(carried, positions, turns)
+    influence = np.ones((len(times), len(gait.wanted)))
+    placed = np.array([place for _, place, _ in gait.wanted], dtype=np.float64)
+    limbs = [body for arm in gait.arms for body in arm.bodies]
+    given = np.array([gait.settings.arms if body in limbs else 1.0 for body, _, _ in gait.wanted])
+    bodies = np.array([body for body, _, _ in gait.wanted], dtype=np.intp)
+    return Goals(bodies, positions, turns, influence * placed, influence * given)
+
+
+def _ways(gait: Gait, times: Array) -> tuple[Ways, Array]:
+    """Return how the style moves the body, and how far its arms swing [rad]."""
+    own, settings = gait.paces[0], gait.settings
+    place = np.interp(times, own.times, np.arange(len(own.times), dtype=np.float64))
+    now = own.pattern.between(place)
+    length = float(gait.steps.sizes.lengths.max())
+    going = eased(np.interp(place, np.arange(len(own.times)), own.speeds) / GOING) * settings.body
+    bob = going * length * now.bob(np.interp(times, own.times, own.phase))
+    crouch = length * (settings.crouch + now.crouch)
+    sway, yaw = settings.body * now.sway, settings.body * now.yaw
+    ways = Ways(bob, crouch, sway, yaw, going * now.roll, going * now.pitch, going * now.lean)
+    return ways, now.swing

@@ -1,0 +1,208 @@
+"""Where feet stand: one place for each stance, found from where the body will be in the middle of it.
+
+A foot is put down where its home is below the body half a stance later, as far as the course knows, so the body passes
+over it evenly; a foot whose body stops before that lands beside the others. Over uneven ground it stands at the
+ground's height, tilts with it, is moved off edges that it would bridge, and clears what lies between its plants.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags
+from ..ground import Ground
+from .contacts import Contacts
+from .course import Course
+from .foot_path import FootPath
+from .legs import FORWARD
+from .moving import LEFT, UP, eased
+from .sizes import Sizes
+from .spacing import apart
+
+STEEPEST = np.radians(40.0)
+"""Feet do not tilt further, however steep the ground."""
+EDGE = 0.35
+"""A sole that bridges more than this, as a share of its length, stands on an edge …"""
+BENT = 0.1
+"""… if the ground under its middle is off the line between its ends by more than this."""
+WIDE = 0.2
+"""Where the ground is looked at on both sides of a sole [sole lengths]."""
+SHIFTS = (0.35, -0.35, 0.7, -0.7, 1.05, -1.05)
+"""Ways by which a foot is moved forward off an edge, the first that helps [sole lengths]."""
+SPREAD = 0.55
+"""Left and right feet are put at least so far apart for a stride to the side, as a share of it: half would let a foot
+come right beside the other."""
+CLEARANCE = 0.04
+"""Height over what lies between two plants that a foot keeps at least [leg lengths]."""
+FLAT = 0.005
+"""What stands over their way by less than this needs no clearance [leg lengths]."""
+PROBES: Array = np.linspace(0.06, 0.94, 12)
+"""Times of a flight at which the ground under the foot is looked at."""
+HIGHEST = 0.3
+"""Feet are never lifted higher than this over what lies between their plants [leg lengths]."""
+LEAST_ARC = 0.25
+"""A foot is not lifted for what stands so near to its plants that its arc is lower than this share of its height."""
+CLIMB = 0.6
+"""Share of a flight in which a foot gets up to a higher plant, or down to a lower one."""
+PASSES = 2
+"""How often the tilt of a foot is found."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plants:
+    """How each foot stands in each of its cycles."""
+
+    places: Array
+    """Of the foot's joint when the foot lies flat [m], ground frame, shape (leg, cycle, 3)."""
+    turns: Array
+    """Of the flat foot from its rest, shape (leg, cycle, 4)."""
+    floors: Array
+    """Height of the ground there [m], shape (leg, cycle)."""
+    headings: Array
+    """Of the body, for which the foot was put there [rad], shape (leg, cycle)."""
+    rolls: Array
+    """How far the feet roll as the body goes forward over them, 0 … 1, shape (leg, cycle)."""
+    rises: Array
+    """How much higher than its arc a foot has to fly after each stance, over what lies in its way [m], (leg, cycle)."""
+    over_nothing: int
+    """Feet that were put where no ground is."""
+
+
+def find(
+    course: Course,
+    contacts: Contacts,
+    longest: Array,
+    cycle: Array,
+    sizes: Sizes,
+    ground: Ground | None,
+    tilt: float,
+    path: FootPath,
+) -> Plants:
+    """Return where the feet stand.
+
+    Args:
+        course: The body's way.
+        contacts: When they stand.
+        longest: Stance that each foot's step is made for, as it touches down [s], shape (leg, cycle).
+        cycle: How long a whole cycle lasts then [s], shape (leg, cycle).
+        sizes: Of the feet.
+        ground: None for one that is as high as the course.
+        tilt: How much feet tilt with the ground, 0 … 1.
+        path: Of their flight.
+    """
+    touch = np.where(np.isfinite(contacts.touch), contacts.touch, course.times[-1])
+    middle = touch + 0.5 * np.minimum(contacts.lift - touch, longest)
+    for jump in course.times[list(course.cuts)].tolist():
+        middle = np.where((touch < jump) & (middle >= jump), np.nextafter(jump, -np.inf), middle)
+    shape, flat = middle.shape, middle.ravel()
+    bodies, headings = course.at(flat)
+    velocity = course.velocity(flat)[0].reshape(*shape, 3)
+    turned = quat.from_axis_angle(UP, headings).reshape(*shape, 4)
+    sideways = np.abs((quat.rotate(turned, LEFT) * velocity).sum(axis=-1))
+    homes = _spread(sizes, sideways * cycle)
+    places = quat.rotate(turned, homes) + bodies.reshape(*shape, 3)
+    places = apart(places, turned, contacts, sizes)
+    forward = (quat.rotate(turned, FORWARD) * velocity).sum(axis=-1)
+    rolls = np.clip(forward / np.maximum(quat.length(velocity), 1e-9), 0.0, 1.0)
+    floors, bare = bodies[:, 2].reshape(shape), 0
+    if ground is not None:
+        places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, np.isfinite(contacts.touch))
+    rises = np.zeros(shape) if ground is None else _obstacles(ground, places, turned, sizes, path)
+    return Plants(places, turned, floors, headings.reshape(shape), rolls, rises, bare)
+
+
+def _spread(sizes: Sizes, strides: Array) -> Array:
+    """Return homes that are far enough apart for strides to the side [m], shape (leg, cycle) to (leg, cycle, 3)."""
+    aside = sizes.homes[:, :1]
+    wider = 0.5 * np.maximum(SPREAD * strides - 2.0 * np.abs(aside), 0.0)
+    homes = np.broadcast_to(sizes.homes[:, None], (*strides.shape, 3)).copy()
+    homes[..., 0] += np.sign(aside) * wider
+    return homes
+
+
+def _on(
+    ground: Ground, places: Array, turned: Array, floors: Array, sizes: Sizes, tilt: float, counts: Flags
+) -> tuple[Array, Array, Array, int]:
+    """Put feet on the ground: returns their joints' places, turns, the floors and how many found none."""
+    ahead = quat.rotate(turned, np.broadcast_to(FORWARD, places.shape)) * sizes.soles[:, None, None]
+    best, heights, level = _under(ground, places, turned, sizes)
+    bare = np.isnan(heights).any(axis=-1)
+    heights = np.where(np.isnan(heights), floors[..., None], heights)
+    level |= bare
+    for shift in SHIFTS:
+        if level.all():
+            break
+        tried, found, good = _under(ground, places + shift * ahead, turned, sizes)
+        good &= ~level
+        best = np.where(good[..., None], tried, best)
+        heights = np.where(good[..., None], found, heights)
+        level |= good
+    return *_settled(ground, best, turned, heights, sizes, tilt, level), int((bare & counts).sum())
+
+
+def _under(ground: Ground, places: Array, turned: Array, sizes: Sizes) -> tuple[Array, Array, Flags]:
+    """Return places of feet, heights of the ground under heel, tip, left and right, and where these are no edge."""
+    heel = places + quat.rotate(turned, np.broadcast_to(sizes.heels[:, None], places.shape))
+    tip = places + quat.rotate(turned, np.broadcast_to(sizes.tips[:, None], places.shape))
+    wide = WIDE * sizes.soles[:, None, None] * quat.rotate(turned, np.broadcast_to(LEFT, places.shape))
+    middle = 0.5 * (heel + tip)
+    points = np.stack([heel, tip, middle + wide, middle - wide], axis=2)
+    found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
+    # A slope is no edge: its middle is as high as the mean of its ends.
+    bent = np.abs(found[..., :2].mean(axis=-1) - found[..., 2:].mean(axis=-1)) > BENT * sizes.soles[:, None]
+    steep = np.abs(found[..., 0] - found[..., 1]) > EDGE * sizes.soles[:, None]
+    return places, found, ~(bent & steep) & np.isfinite(found).all(axis=-1)
+
+
+def _settled(
+    ground: Ground, places: Array, turned: Array, heights: Array, sizes: Sizes, tilt: float, level: Flags
+) -> tuple[Array, Array, Array]:
+    """Tilt feet with the ground under heel, tip and both sides, and put them down on it."""
+    soles = np.maximum(sizes.soles, 1e-9)[:, None]
+    flat = (sizes.soles > 0.0)[:, None] & level
+    turns, own, found = turned, places, heights
+    # Where heel and tip are depends on the tilt, and the tilt on what is under them.
+    for _ in range(PASSES if flat.any() else 1):
+        pitch = np.where(flat, np.arctan2(found[..., 0] - found[..., 1], soles), 0.0)
+        roll = np.where(flat, np.arctan2(found[..., 3] - found[..., 2], 2.0 * WIDE * soles), 0.0)
+        pitch, roll = (tilt * np.clip(angle, -STEEPEST, STEEPEST) for angle in (pitch, roll))
+        tilted = quat.multiply(quat.from_axis_angle(LEFT, pitch), quat.from_axis_angle(-FORWARD, roll))
+        turns = quat.multiply(turned, tilted)
+        _, found, _ = _under(ground, places, turns, sizes)
+        found = np.where(np.isfinite(found), found, heights)
+    # What of the sole would be deepest stands on the ground.
+    floors = np.full(heights.shape[:2], -np.inf)
+    own = places.copy()
+    for offset, height in ((sizes.heels, found[..., 0]), (sizes.tips, found[..., 1])):
+        away = quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
+        floors = np.maximum(floors, height - away[..., 2])
+    own[..., 2] = floors
+    return own, turns, found.mean(axis=-1)
+
+
+def _obstacles(ground: Ground, places: Array, turns: Array, sizes: Sizes, path: FootPath) -> Array:
+    """Return how high feet have to fly after each stance to clear the ground between plants [m], (leg, cycle)."""
+    way = path.at(PROBES)
+    out = np.zeros(places.shape[:2])
+    for offset in (sizes.tips, sizes.heels):
+        here = places + quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
+        step = np.concatenate([here[:, 1:], here[:, -1:]], axis=1) - here
+        points = here[:, :, None] + way[:, :1] * step[:, :, None]
+        points[..., 2] = here[:, :, None, 2] + climbed(PROBES, step[:, :, None, 2]) * step[:, :, None, 2]
+        found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
+        over = np.where(np.isfinite(found), found - points[..., 2], -np.inf)
+        over = np.where(over > FLAT * sizes.lengths[:, None, None], over, -np.inf)
+        needed = (over + (CLEARANCE * sizes.lengths)[:, None, None]) / np.maximum(way[:, 1], LEAST_ARC)
+        out = np.maximum(out, needed.max(axis=-1))
+    return np.clip(out, 0.0, HIGHEST * sizes.lengths[:, None])
+
+
+def climbed(flight: Array, rise: Array) -> Array:
+    """Return how much of its way up or down a foot has gone: up early and down late, to clear the edges of steps.
+
+    Args:
+        flight: Share of the flight, 0 … 1.
+        rise: How far it goes up [m]; what is broadcast with ``flight``.
+    """
+    return np.where(rise > 0.0, eased(flight / CLIMB), eased((flight - 1.0 + CLIMB) / CLIMB))

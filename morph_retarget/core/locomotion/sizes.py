@@ -1,0 +1,42 @@
+"""Sizes of all feet of a character, side by side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .. import quat
+from ..arrays import Array, Flags
+from .legs import Leg
+
+LONG = 0.25
+"""A foot whose joint is higher over the ground than this share of its leg is long."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sizes:
+    """Of all feet."""
+
+    lengths: Array
+    """Of the legs [m], shape (leg,)."""
+    homes: Array
+    """Where the feet's joints are at rest [m], shape (leg, 3)."""
+    heels: Array
+    """From the joint to the heel, shape (leg, 3)."""
+    tips: Array
+    """From the joint to where the foot rolls off, shape (leg, 3)."""
+    hips: Array
+    """Where the legs begin at rest [m], shape (leg, 3)."""
+    long: Flags
+    """Whether the foot is a large part of its leg, shape (leg,)."""
+    soles: Array
+    """Length of the soles [m], 0 for feet that stand on a point, shape (leg,)."""
+
+    @classmethod
+    def of(cls, legs: Sequence[Leg], width: float) -> "Sizes":
+        """Return those of legs that are put ``width`` times as far to the side as they rest."""
+        homes = np.array([leg.home for leg in legs]) * np.array([width, 1.0, 1.0])
+        heels, tips = np.array([leg.heel for leg in legs]), np.array([leg.tip for leg in legs])
+        lengths, hips = np.array([leg.length for leg in legs]), np.array([leg.hip for leg in legs])
+        long = -tips[:, 2] > LONG * (lengths - tips[:, 2])
+        return cls(lengths, homes, heels, tips, hips, long, quat.length((tips - heels)[:, :2]))
