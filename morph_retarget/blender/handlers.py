@@ -10,6 +10,11 @@ from .morph import cast, events, perform
 
 
 @persistent
+def _before_frame(scene: bpy.types.Scene, *_: object) -> None:
+    perform.foresee(scene)
+
+
+@persistent
 def _on_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
     live.show_frame(scene)
     perform.show_frame(scene, graph)
@@ -49,6 +54,7 @@ def _on_save(*_: object) -> None:
 def _pairs() -> list[tuple[list[Any], Any]]:
     handlers = bpy.app.handlers
     return [
+        (handlers.frame_change_pre, _before_frame),
         (handlers.frame_change_post, _on_frame),
         (handlers.depsgraph_update_post, _on_edit),
         (handlers.load_post, _on_load),

@@ -14,7 +14,13 @@ OBJECT_GROUP = "Object Transforms"
 
 
 def write(
-    target: Rig, found: Sequence[Channel], body: Sequence[str], frames: Array, name: str, keep_others: bool
+    target: Rig,
+    found: Sequence[Channel],
+    body: Sequence[str],
+    frames: Array,
+    name: str,
+    keep_others: bool,
+    keep_object: bool = False,
 ) -> tuple[bpy.types.Action, bpy.types.ActionSlot]:
     """Key channels in a new action and make the target play it; the old action is left as it is.
 
@@ -25,6 +31,7 @@ def write(
         frames: Frames to key, shape (frame,).
         name: Of the action.
         keep_others: Take over what the old action does to everything else.
+        keep_object: Also what it does to the object itself.
     """
     ob = target.object
     old_action, old_slot = actions.assigned(ob)
@@ -40,7 +47,7 @@ def write(
             writer.write(channel.path(ob), channel.values, frames[:1], channel.bone or OBJECT_GROUP)
             written.add(channel.path(ob))
         if keep_others:
-            _copy_others(ob, body, old, written, writer)
+            _copy_others(ob, body, old, written, writer, keep_object)
             writer.limit(frames[0], frames[-1])
     except BaseException:
         writer.discard()
@@ -51,14 +58,16 @@ def write(
     return writer.action, writer.slot
 
 
-def _copy_others(ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str], writer: Writer) -> None:
+def _copy_others(
+    ob: bpy.types.Object, body: Sequence[str], old: CurveMap, written: set[str], writer: Writer, keep_object: bool
+) -> None:
     """Take over the old action's curves for bones that are not mapped, custom properties and the like."""
     own = {pose_bone(ob, name).path_from_id() for name in body}
     transforms = {"location", "scale", *channels.ROTATIONS}
     for (path, _), curve in old.items():
         stem, _, prop = path.rpartition(".")
         of_body = stem in own and prop in transforms
-        of_object = not stem and (prop in transforms or prop.startswith("delta_"))
+        of_object = not keep_object and not stem and (prop in transforms or prop.startswith("delta_"))
         generalized = path.startswith("morph_retarget.")  # it moves the body too
         if path not in written and not of_body and not of_object and not generalized:
             writer.copy(curve)

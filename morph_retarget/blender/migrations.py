@@ -20,7 +20,7 @@ def stamp() -> None:
             of_scene(scene).version = VERSION
     for action in bpy.data.actions:
         own = of_action(action)
-        if action.library is None and len(own.channels):
+        if action.library is None and (len(own.channels) or own.version):
             own.version = max(own.version, VERSION)
 
 

@@ -24,6 +24,8 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
+from .locomotion import properties as locomotion
+from .locomotion.properties import Walker
 from .morph import jiggle_properties, solver_properties, values
 from .morph import properties as morph
 from .morph.jiggle_properties import Jiggler
@@ -85,7 +87,7 @@ class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
     end: IntProperty(name="End", description="Last frame on the ground", update=_changed)
 
 
-class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, bpy.types.PropertyGroup):
+class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, bpy.types.PropertyGroup):
     """What is known about one armature."""
 
     joints: CollectionProperty(
@@ -306,6 +308,7 @@ CLASSES = (
     *values.CLASSES,
     *jiggle_properties.CLASSES,
     *solver_properties.CLASSES,
+    *locomotion.CLASSES,
     *morph.CLASSES,
     MORPHRETARGET_PG_joint,
     MORPHRETARGET_PG_contact,

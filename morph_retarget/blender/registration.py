@@ -7,6 +7,7 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
+from .locomotion import properties as locomotion
 from .morph import autokey, cast, keys, perform, remap, values
 from .morph import properties as morph
 from .ui import overlay
@@ -20,6 +21,8 @@ _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (morph.definition_listeners, perform.definition_changed),
     (values.value_listeners, autokey.valued),
     (values.character_listeners, perform.character_changed),
+    (locomotion.course_listeners, perform.course_changed),
+    (locomotion.manner_listeners, perform.gait_changed),
 )
 """Who is told of which changes of settings."""
 

@@ -21,7 +21,7 @@ def over(rig: Rig, frames: Array) -> Array | None:
     Returns:
         Matrices that lead from its own space to that space as it was when it was analysed, shape (frame, 4, 4).
     """
-    if not _keyed(rig.object):
+    if not keyed(rig.object):
         return None
     place = np.eye(4)
     place[:3, :3] = rig.placement.scale * rig.placement.rotation
@@ -31,8 +31,9 @@ def over(rig: Rig, frames: Array) -> Array | None:
 
 def readable(ob: bpy.types.Object) -> bool:
     """Return whether nothing but keys moves an object and what it hangs on."""
-    data = ob.animation_data
-    if len(ob.constraints) > 0 or (data is not None and (len(data.drivers) > 0 or len(data.nla_tracks) > 0)):
+    drivers = ob.animation_data.drivers if ob.animation_data is not None else ()
+    others = {*(curve.data_path for curve in drivers), *actions.paths_in_strips(ob)}
+    if len(ob.constraints) > 0 or any(path.removeprefix("delta_") in _CHANNELS for path in others):
         return False
     return ob.parent is None or (ob.parent_type == "OBJECT" and readable(ob.parent))
 
@@ -50,9 +51,9 @@ def world(ob: bpy.types.Object, frames: Array) -> Array:
     return world(ob.parent, frames) @ np.array(ob.matrix_parent_inverse, dtype=np.float64) @ basis
 
 
-def _keyed(ob: bpy.types.Object) -> bool:
+def keyed(ob: bpy.types.Object) -> bool:
     """Return whether keys move an object or what it hangs on."""
-    return any(path in _CHANNELS for path, _ in _curves(ob)) or (ob.parent is not None and _keyed(ob.parent))
+    return any(path in _CHANNELS for path, _ in _curves(ob)) or (ob.parent is not None and keyed(ob.parent))
 
 
 def _curves(ob: bpy.types.Object) -> CurveMap:

@@ -23,6 +23,14 @@ def share(text: str) -> float:
     return value
 
 
+def within(text: str, least: float, most: float) -> float:
+    """Return a number from ``least`` to ``most``."""
+    value = _number(text)
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is too small or too large: use a number from {least:g} to {most:g}")
+    return value
+
+
 def above_zero(text: str) -> float:
     """Return a number above zero that is not absurdly large."""
     value = _number(text)

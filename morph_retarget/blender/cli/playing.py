@@ -1,6 +1,7 @@
 """``play ACTION CHARACTER… -o OUT``: give a generalized action to characters."""
 
 import argparse
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,11 +12,11 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import bake, cast, choice, deforms, jiggles, pose
+from ..morph import bake, cast, choice, clip, deforms, jiggles, pose
 from ..morph.bake import Options, Take
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
-from . import action_file, data, numbers
+from . import action_file, data, locomotion, numbers
 from .action_file import ActionFile
 from .messages import naming, say
 from .opening import add_rig_options, armature_here, open_rig
@@ -28,7 +29,9 @@ NEAREST = "nearest"
 def add_to(parser: argparse.ArgumentParser) -> None:
     """Describe the command to ``parser``."""
     parser.add_argument(
-        "action", metavar="ACTION", help="generalized action: FILE.blend#ACTION, or an action in the open file"
+        "action",
+        metavar="ACTION",
+        help="generalized action: FILE.blend#ACTION, or an action in the open file; - for locomotion alone",
     )
     parser.add_argument("characters", metavar="CHARACTER", nargs="+", help="rigs: files, or armatures in the open file")
     parser.add_argument(
@@ -93,6 +96,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         default=None,
         help="let tails, ears, hair and the like follow (default: as the character's file says, else yes)",
     )
+    locomotion.add_options(parser)
     parser.add_argument(
         "--live", action="store_true", help="leave the generalized action on the characters, to be edited on; a .blend"
     )
@@ -137,7 +141,7 @@ def run(arguments: argparse.Namespace) -> int:
     stays_open = all(armature_here(text) is not None for text in arguments.characters)
     reports: list[dict[str, object]] = []
     warnings: list[str] = []
-    with data.known(), action_file.found(arguments.action, stays_open) as source:
+    with data.known(), _source(arguments.action, stays_open) as source:
         job = _Job(arguments, outputs, source)
         _check_targets(job)
         try:
@@ -158,6 +162,12 @@ def run(arguments: argparse.Namespace) -> int:
     return status
 
 
+def _source(text: str, stays_open: bool) -> contextlib.AbstractContextManager[ActionFile]:
+    if text == locomotion.NO_ACTION:
+        return contextlib.nullcontext(locomotion.no_action())
+    return action_file.found(text, stays_open)
+
+
 def _check_targets(job: _Job) -> None:
     """Check that what is given a target can have one, before any character is read."""
     external = [c.name for c in job.source.definition.channels if c.target is TargetKind.EXTERNAL]
@@ -174,7 +184,7 @@ def _play_all(job: _Job, outbox: save.Outbox, reports: list[dict[str, object]], 
     outputs, bound = job.outputs, False
     for group in [[text] for text in outputs.targets] if outputs.separate else [list(outputs.targets)]:
         characters = _cast(job, group)
-        options = Options(job.arguments.frames, rate=_rate(job, group[0]))
+        options = Options(_frames(job, characters), rate=_rate(job, group[0]))
         taken = [_take(job, text, ob, options) for text, ob in zip(group, characters, strict=True)]
         set_range(min(one.clip.frames[0] for one in taken), max(one.clip.frames[-1] for one in taken))
         if job.arguments.live:
@@ -188,6 +198,20 @@ def _play_all(job: _Job, outbox: save.Outbox, reports: list[dict[str, object]], 
         outbox.rigs(outputs.path(group[0], job.source.name), characters)
     if not bound:
         raise _NothingPlays
+
+
+def _frames(job: _Job, characters: Sequence[bpy.types.Object]) -> tuple[int, int] | None:
+    """Return the first and last frame to play, None where no keys tell.
+
+    Characters that go do so beyond the keys of the action; here they stop with it, and without one with the scene.
+    """
+    if job.arguments.frames is not None:
+        return job.arguments.frames
+    action = cast.action_of(characters[0])
+    if action is not None and not isinstance(job.source, locomotion.NoAction):
+        return clip.keyed_range(characters[0], action)
+    scene = rig.scene_of()
+    return scene.frame_start, scene.frame_end
 
 
 def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
@@ -214,6 +238,7 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
             of_rig(ob).use_joint_limits = arguments.joint_limits
         if arguments.jiggles is not None:
             of_rig(ob).jiggles.enabled = arguments.jiggles
+        locomotion.apply(arguments, job.source, ob)
         cast.add(ob, action)
     for ob in out:
         for name, target in arguments.target:
@@ -240,7 +265,7 @@ def _aim(job: _Job, item: MORPHRETARGET_PG_values, text: str) -> None:
 def _rate(job: _Job, text: str) -> float:
     """Give the scene its frame rate, and return how many frames of the action pass in one of its frames."""
     rate = set_rate(job.arguments.fps, text, job.source.rate)
-    return 1.0 if job.arguments.live else job.source.rate / rate
+    return 1.0 if job.arguments.live or isinstance(job.source, locomotion.NoAction) else job.source.rate / rate
 
 
 def _take(job: _Job, text: str, ob: bpy.types.Object, options: Options) -> Take:

@@ -17,6 +17,7 @@ _EXAMPLES = """examples:
   {prog} retarget "clips.blend#Walk" a.glb b.fbx -o "out/{{source}}_on_{{target}}.glb" --report report.json
   {prog} play "actions.blend#Wave" spider.glb bird.glb -o "out/{{target}}_{{action}}.glb" --report report.json
   {prog} play "actions.blend#Pick Up" character.blend -o picked.blend --target "Hand=Apple" --variant nearest
+  {prog} play - hound.blend -o trot.glb --gait trot --speed 2
 """
 
 

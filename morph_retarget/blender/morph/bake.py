@@ -12,6 +12,8 @@ from ...core.errors import MotionError
 from ...core.morph import measure
 from ...core.play import Played
 from .. import actions, channels, keying, retarget
+from ..locomotion import walks
+from ..locomotion.walks import Taken
 from . import cast, clip, deform_keys, events, jiggles, pose
 from .cast import Member
 from .clip import Clip
@@ -40,11 +42,13 @@ class Take:
 
     rate: float
     """Frames of the action for each frame of the scene."""
+    walk: Taken | None = None
+    """How the character goes over the ground."""
 
     @property
     def binds(self) -> bool:
         """Whether any of the action plays on the character."""
-        return bool(self.member.part.binding.entries)
+        return self.member.plays
 
     @property
     def events(self) -> list[tuple[str, float]]:
@@ -56,7 +60,12 @@ class Take:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What the user should know."""
-        return tuple(self.member.part.binding.problems) + self.member.warnings
+        return (*self.member.part.binding.problems, *self._notes)
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """The same besides problems of the binding."""
+        return (*self.member.warnings, *(() if self.walk is None else self.walk.warnings))
 
     def report(self) -> dict[str, object]:
         """Return what was played and measured, as it is written to report files."""
@@ -68,7 +77,7 @@ class Take:
             self.member.part.binding,
             self.played,
             self.events,
-            self.member.warnings,
+            self._notes,
         )
 
 
@@ -96,16 +105,18 @@ def take(ob: bpy.types.Object, scene: bpy.types.Scene, options: Options) -> Gene
         raise MotionError(f"armature {ob.name!r} plays no generalized action: add it to one first")
     start = time.perf_counter()
     member = cast.member(ob, action)
-    first, last = options.frames or clip.range_of(ob, action)
+    first, last = options.frames or clip.range_of(member, scene)
     frames = first + np.arange(int((last - first) / options.rate + 1e-6) + 1.0)
     bound = time.perf_counter()
-    found = yield from retarget.within(0.0, 0.5, clip.clip_of(member, ob, scene, frames, options.rate))
+    walk = yield from retarget.within(0.0, 0.25, walks.taken(member, scene, frames, options.rate))
+    found = yield from retarget.within(0.25, 0.5, clip.clip_of(member, ob, scene, frames, options.rate))
     sampled = time.perf_counter()
     yield 0.5
-    played = yield from retarget.within(0.5, 1.0, long_clip.evaluate(member.part, found.values, found.targets))
-    played = jiggles.over(member, scene, played, found, options.rate)
+    lower = None if walk is None else walk.layer(found.frames)
+    played = yield from retarget.within(0.5, 1.0, long_clip.evaluate(member.part, found.values, found.targets, lower))
+    played = jiggles.over(member, scene, played, found, walk, options.rate)
     seconds = {"bind": bound - start, "sample": sampled - bound, "evaluate": time.perf_counter() - sampled}
-    return Take(member, found, played, seconds, options.rate)
+    return Take(member, found, played, seconds, options.rate, walk)
 
 
 def write(taken: Take, options: Options) -> Outcome:
@@ -121,7 +132,9 @@ def write(taken: Take, options: Options) -> Outcome:
     member.action.use_fake_user = True
     keyed = [*pose.channels_of(member.rig, played), *deform_keys.channels_of(member, played)]
     moved = channels.body_bones(member.rig, [*played.bones, *(names.index(c.bone) for c in keyed if c.bone in names)])
-    action, slot = keying.write(member.rig, keyed, moved, found.frames, name, keep_others=True)
+    action, slot = keying.write(
+        member.rig, keyed, moved, found.frames, name, keep_others=True, keep_object=member.gait is not None
+    )
     more = deform_keys.write(member, played, found.frames, name)
     for event, frame in taken.events:
         action.pose_markers.new(event).frame = round(frame)

@@ -13,6 +13,7 @@ import numpy as np
 from ...core import play
 from ...core.character.character import Character
 from ...core.errors import MorphError, MotionError
+from ...core.locomotion.moving import Moving
 from ...core.morph.bind import Binding, GeneralizedAction, bind
 from ...core.morph.bodies import Bodies
 from ...core.morph.channels import TargetKind
@@ -20,6 +21,7 @@ from ...core.play import Part
 from ...core.solve.limits import JointLimits
 from ...core.solve.settings import DEFAULT, SolverSettings
 from .. import actions, collect, joint_limits
+from ..locomotion import standing
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of, pose_of
 from . import definitions, keys, stretching
@@ -46,6 +48,8 @@ class Member:
     """Of its joints."""
     fixed: frozenset[int] = frozenset()
     """Bones that cannot move off their parents when others stretch."""
+    gait: Moving | None = None
+    """How it stands, if it goes over the ground: its gait has the same goals wherever it goes. None if it does not."""
 
     @property
     def bodies(self) -> Bodies:
@@ -58,20 +62,34 @@ class Member:
         return {channel.name: i for i, channel in enumerate(self.definition.channels)}
 
     @cached_property
-    def external(self) -> tuple[int, ...]:
-        """Channels that have external targets."""
+    def external(self) -> dict[int, str]:
+        """Channels that have external targets, and their names."""
         channels = self.definition.channels
-        return tuple(i for i, c in enumerate(channels) if c.has_target and c.target is TargetKind.EXTERNAL)
+        return {i: c.name for i, c in enumerate(channels) if c.has_target and c.target is TargetKind.EXTERNAL}
 
     @cached_property
     def part(self) -> Part:
         """What plays."""
-        return play.prepare(self.character, self.binding, self.solver, self.limits, self.fixed)
+        return self._part(self.binding)
 
     @cached_property
     def free(self) -> Part:
         """The same without what has targets, for others that follow this one's bodies."""
-        return play.prepare(self.character, self.binding.untargeted(), self.solver, self.limits, self.fixed)
+        return self._part(self.binding.untargeted())
+
+    def _part(self, binding: Binding) -> Part:
+        lower = () if self.gait is None else self.gait.wanted
+        return play.prepare(self.character, binding, self.solver, self.limits, self.fixed, lower)
+
+    @property
+    def root(self) -> int:
+        """The body that carries all others."""
+        return play.root_of(self.bodies)
+
+    @property
+    def plays(self) -> bool:
+        """Whether anything poses it."""
+        return self.gait is not None or len(self.binding.entries) > 0
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -174,7 +192,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
     switches = own.bends_spine, own.allows_stretch, own.avoids_collisions, own.use_joint_limits
-    state = (action.session_uid, len(of_action(action).channels), own.variant, switches)
+    state = (action.session_uid, len(of_action(action).channels), own.variant, switches, own.gait.enabled)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
@@ -197,10 +215,26 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     )
     limits = joint_limits.read(ob, rig) if own.use_joint_limits else None
     fixed = stretching.connected(rig) if own.allows_stretch else frozenset[int]()
-    found = Member(rig, action, definition, character, binding, solver, limits, fixed)
+    gait = standing.of(character, play.root_of(bodies), own.gait) if own.gait.enabled else None
+    found = Member(rig, action, definition, character, binding, solver, limits, fixed, gait)
     _members[ob.session_uid] = (state, found)
     _limits[ob.session_uid] = _limits_of(ob)
     return found
+
+
+def is_stepping_anew(ob: bpy.types.Object) -> bool:
+    """Return whether the gait of a member has other goals since its settings were edited, or is on or off.
+
+    Raises:
+        MorphError: It cannot go as it is set.
+    """
+    known = _members.get(ob.session_uid)
+    if known is None:
+        return False
+    before, own = known[1].gait, of_rig(ob).gait
+    if before is None or not own.enabled:
+        return (before is not None) != own.enabled
+    return standing.of(known[1].character, known[1].root, own).wanted != before.wanted
 
 
 def missing(ob: bpy.types.Object, definition: GeneralizedAction) -> set[int]:

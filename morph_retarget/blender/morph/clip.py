@@ -33,12 +33,25 @@ class Clip:
     """Why frames had to be stepped, empty when they were not."""
 
 
-def range_of(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[int, int]:
-    """Return the first and last frame of an action on a character: its manual range, its keys, or its NLA strips.
+def range_of(member: Member, scene: bpy.types.Scene) -> tuple[int, int]:
+    """Return the first and last frame of what a character plays.
+
+    They are those of the scene for a character that goes over the ground, unless its action has a manual range.
 
     Raises:
-        MotionError: It has no keys.
+        MotionError: The action has no keys.
     """
+    ob, action = member.rig.object, member.action
+    if member.gait is not None and not (action.use_frame_range and actions.assigned(ob)[0] == action):
+        return scene.frame_start, scene.frame_end
+    found = keyed_range(ob, action)
+    if found is None:
+        raise MotionError(f"action {action.name!r} has no keys for {ob.name!r}: key its channels first")
+    return found
+
+
+def keyed_range(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[int, int] | None:
+    """Return the first and last frame of an action on a character: its manual range, its keys, or its NLA strips."""
     playing, _ = actions.assigned(ob)
     if playing != action:
         strips = _strips(ob, action)
@@ -48,7 +61,7 @@ def range_of(ob: bpy.types.Object, action: bpy.types.Action) -> tuple[int, int]:
     else:
         found = actions.frame_range(keys.curves(action).values())
     if found is None:
-        raise MotionError(f"action {action.name!r} has no keys for {ob.name!r}: key its channels first")
+        return None
     first = int(np.floor(found[0] + 1e-3))
     return first, max(int(np.ceil(found[1] - 1e-3)), first)
 

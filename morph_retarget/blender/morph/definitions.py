@@ -20,8 +20,8 @@ _FLAGS = ("ground_relative", "sagittal_relative", "secondary_relative", "directi
 
 
 def is_generalized(action: bpy.types.Action | None) -> bool:
-    """Return whether an action has channels."""
-    return action is not None and len(of_action(action).channels) > 0
+    """Return whether an action has channels, or was made to have some and plays on characters that only walk."""
+    return action is not None and (len(of_action(action).channels) > 0 or of_action(action).version > 0)
 
 
 def read(action: bpy.types.Action) -> GeneralizedAction:
@@ -139,11 +139,15 @@ def movement(item: MORPHRETARGET_PG_channel) -> Movement:
     )
 
 
+def make(action: bpy.types.Action) -> None:
+    """Make an action a generalized one that has no channels yet."""
+    of_action(action).version = migrations.VERSION
+
+
 def add(action: bpy.types.Action, wanted: Channel) -> MORPHRETARGET_PG_channel:
     """Give an action a channel and return its definition."""
-    own = of_action(action)
-    own.version = migrations.VERSION
-    item = own.channels.add()
+    make(action)
+    item = of_action(action).channels.add()
     item.keyed_in = to_text(wanted.movement, wanted.target)
     for name in ("position", "rotation", "scale"):
         setattr(item, name, getattr(wanted.movement, name).value)

@@ -8,8 +8,9 @@ import numpy as np
 
 from ...core import quat
 from ...core.arrays import Array
+from ...core.layering import Layer
 from ...core.morph import movement, specialize
-from ...core.morph.movement import Frames
+from ..locomotion import walks
 from ..properties import of_rig
 from . import cast, pose
 from .cast import Member
@@ -64,7 +65,8 @@ def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Map
     if not any(pose.changed(before.state, now, place[name]) for name in chain):
         return None
     before.state = now
-    position, rotation = generalized(member, before, entry, ob.evaluated_get(graph))
+    seen = ob.evaluated_get(graph)
+    position, rotation = generalized(member, before, entry, seen, walks.layer_now(member, seen, graph))
     return Held(ob, member, entry, position, rotation, chain)
 
 
@@ -84,13 +86,18 @@ def _chain(member: Member, entry: int) -> tuple[str, ...]:
     return tuple(member.rig.skeleton.names[b] for b in (*member.part.pose.joints_of(body), body))
 
 
-def frames_now(member: Member, shown: Shown) -> Frames:
-    """Return the frames in which the entries of a member move at the moment."""
-    return specialize.frames_of(member.part.binding, shown.targets.places, shown.played.followed)
+def generalized(
+    member: Member, shown: Shown, entry: int, seen: bpy.types.Object, lower: Layer | None
+) -> tuple[Array, Array]:
+    """Return the generalized values of an entry for where its bone is.
 
-
-def generalized(member: Member, shown: Shown, entry: int, seen: bpy.types.Object) -> tuple[Array, Array]:
-    """Return the generalized values of an entry for where its bone is, as seen on an evaluated object."""
+    Args:
+        member: How the character plays its action.
+        shown: What it shows.
+        entry: Of its binding.
+        seen: The evaluated object.
+        lower: What its action is laid over.
+    """
     binding = member.part.binding
     body = binding.entries[entry].body
     head, turned = pose.matrix_of(seen, member.rig.skeleton.names[body])
@@ -98,9 +105,14 @@ def generalized(member: Member, shown: Shown, entry: int, seen: bpy.types.Object
     turn = quat.multiply(turned, quat.conjugate(member.rig.skeleton.rest_rotations[body]))
     position = place.points(head)
     rotation = quat.multiply(place.turns(turn), binding.bodies.axes[body])
+    targets = shown.targets.places
+    if lower is not None:  # values are those of a body that stands
+        position, targets = lower.seen({0: position[None]})[0][0], lower.seen(targets)
+        rotation = quat.multiply(quat.conjugate(lower.turns[0]), rotation)
     count = len(binding.entries)
     positions, rotations = np.tile(position, (1, count, 1)), np.tile(rotation, (1, count, 1))
-    found_positions, found_rotations = movement.generalize(frames_now(member, shown), positions, rotations)
+    frames = specialize.frames_of(binding, targets, shown.played.followed)
+    found_positions, found_rotations = movement.generalize(frames, positions, rotations)
     return found_positions[0, entry], found_rotations[0, entry]
 
 

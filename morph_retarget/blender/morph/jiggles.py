@@ -19,6 +19,8 @@ from ...core.morph.channels import TargetKind, Values
 from ...core.play import Played
 from ...core.skeleton import Pose
 from .. import jiggle_bones, ways
+from ..locomotion import walks
+from ..locomotion.walks import Taken
 from ..properties import of_rig
 from ..sampling import moved_pose, seconds_per_frame
 from . import cast, clip, keys, stage, targets
@@ -123,7 +125,13 @@ def prepare(member: Member, played: Played) -> Jiggling:
 
 
 def shown(
-    member: Member, played: Played, scene: bpy.types.Scene, told: ToldValues, seen: ToldTargets, anew: bool
+    member: Member,
+    played: Played,
+    scene: bpy.types.Scene,
+    graph: bpy.types.Depsgraph,
+    told: ToldValues,
+    seen: ToldTargets,
+    anew: bool,
 ) -> Played:
     """Return the one frame that a character plays, with its jiggles.
 
@@ -131,6 +139,7 @@ def shown(
         member: How the character plays its action.
         played: The frame.
         scene: Gives the frame.
+        graph: Gives what it goes along and on.
         told: Values of the channels at the frame.
         seen: Targets at the frame.
         anew: Whether the frame has changed; while something is edited, what was simulated before is good enough.
@@ -145,11 +154,12 @@ def shown(
     if before is not None and (before.member is not member or frame - before.first > len(before.basis) - 1.0):
         before = None
     if before is not None and anew:
-        same = ob.session_uid not in _edited and before.told == before.steady.read(scene, values, places)
+        way = walks.number(member, scene, graph)
+        same = ob.session_uid not in _edited and before.told == (way, *before.steady.read(scene, values, places))
         before = before if same else None
     if before is None:
         try:
-            before = _simulate(member, scene, played, values, places)
+            before = _simulate(member, scene, graph, played, values, places)
         except MotionError as error:
             problems[ob.session_uid] = str(error)
             return played
@@ -159,7 +169,12 @@ def shown(
 
 
 def _simulate(
-    member: Member, scene: bpy.types.Scene, played: Played, values: Values, places: Mapping[int, Array]
+    member: Member,
+    scene: bpy.types.Scene,
+    graph: bpy.types.Depsgraph,
+    played: Played,
+    values: Values,
+    places: Mapping[int, Array],
 ) -> _Simulated:
     """Return the jiggles from the first frame of an action until at least the present one.
 
@@ -169,17 +184,19 @@ def _simulate(
     ob, found, frame = member.rig.object, prepare(member, played), scene.frame_current_final
     moving = _moving(member) if found else []
     steady = _Steady.of(member, moving)
-    told = steady.read(scene, values, places)
+    told = (walks.number(member, scene, graph), *steady.read(scene, values, places))
     if not found:
         return _Simulated(member, found, 0, np.empty((10**6, 0, 4)), steady, told)
     _check_known(member, moving)
-    first, last = clip.range_of(ob, member.action) if keys.curves(member.action) else (int(frame), int(frame))
+    known = member.gait is not None or keys.curves(member.action)
+    first, last = clip.range_of(member, scene) if known else (int(frame), int(frame))
     count = LEAST
     while count <= max(last, frame) - first + 1.0:
         count *= 2
     frames = first + np.arange(float(count))
     places = {**places, **{i: _places(member, i, frames) for i in moving}}
-    whole = play.evaluate(member.part, stage.values_over(member, ob, frames), places)
+    lower = walks.over(member, scene, graph, frames)
+    whole = play.evaluate(member.part, stage.values_over(member, ob, frames), places, lower)
     basis = _changes(member, found, scene, whole, frames, last - first)
     return _Simulated(member, found, first, basis, steady, told)
 
@@ -228,7 +245,9 @@ def _changes(
 # --- baking ---
 
 
-def over(member: Member, scene: bpy.types.Scene, played: Played, found: Clip, rate: float) -> Played:
+def over(
+    member: Member, scene: bpy.types.Scene, played: Played, found: Clip, walk: Taken | None, rate: float
+) -> Played:
     """Return a played clip with its jiggles, if the character has them switched on.
 
     Args:
@@ -236,13 +255,14 @@ def over(member: Member, scene: bpy.types.Scene, played: Played, found: Clip, ra
         scene: Gives the frame rate.
         played: The clip.
         found: What it was played from.
+        walk: How the character goes.
         rate: Frames of the action for each frame of the scene.
     """
     ob = member.rig.object
     what = prepare(member, played) if of_rig(ob).jiggles.enabled else None
     if not what:
         return played
-    first, last = clip.range_of(ob, member.action)
+    first, last = clip.range_of(member, scene)
     lead, count = 0, len(found.frames)
     if not found.stepped:
         # The simulation begins where the action does, whatever part of it is wanted.
@@ -252,7 +272,8 @@ def over(member: Member, scene: bpy.types.Scene, played: Played, found: Clip, ra
     whole = played
     if len(steps) > len(found.frames):
         values = stage.values_over(member, ob, found.frames[0] + rate * steps)
-        whole = play.evaluate(member.part, values, found.targets)
+        lower = None if walk is None else walk.layer(found.frames[0] + steps)
+        whole = play.evaluate(member.part, values, found.targets, lower)
     end = round((last - found.frames[0]) / rate) + lead
     basis = _changes(member, what, scene, whole, found.frames[0] + steps, end)
     return jiggling.with_jiggles(played, what, basis[lead : lead + len(found.frames)])

@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ...core import play
+from ...core import play, quat
 from ...core.arrays import Array
+from ...core.layering import Layer
 from ...core.morph import movement
 from ...core.morph.bind import NONE
 from ...core.morph.specialize import frames_of
+from ..locomotion import walks
 from ..properties import of_rig
 from . import keys, perform, query, stage
 from .cast import Member
@@ -68,15 +70,24 @@ def path_points(
     return stage.to_world(ob, _points(member, ob, entry, frames, external))
 
 
-def _points(member: Member, ob: bpy.types.Object, entry: int, frames: Array, external: Mapping[int, Array]) -> Array:
-    """Return the same in the armature object's own space."""
+def _points(
+    member: Member,
+    ob: bpy.types.Object,
+    entry: int,
+    frames: Array,
+    external: Mapping[int, Array],
+    lower: Layer | None = None,
+) -> Array:
+    """Return the same in the armature object's own space, for a character that goes as ``lower`` says."""
+    external = external if lower is None else lower.seen(external)
     values = stage.values_over(member, ob, frames)
     whole = member.part.binding
     binding, posed = replace(whole, entries=(whole.entries[entry],)), _posed(member, ob, frames, external)
     found = frames_of(binding, external, posed)
     channel = binding.plan.channel
     places, _ = movement.specialize(found, values.positions[:, channel], values.rotations[:, channel])
-    return member.character.local_to_character.inverse().points(places[:, 0])
+    way = places[:, 0] if lower is None else quat.rotate(lower.turns, places[:, 0]) + lower.places
+    return member.character.local_to_character.inverse().points(way)
 
 
 def _posed(member: Member, ob: bpy.types.Object, frames: Array, external: Mapping[int, Array]) -> Array | None:
@@ -99,10 +110,12 @@ def path_of(ob: bpy.types.Object, scene: bpy.types.Scene, graph: bpy.types.Depsg
         return None
     external = stage.targets_of(member, ob, graph)
     frames, times = frames_of_scene(scene), _key_times(member, entry)
-    state = (member, entry, frames.tobytes(), *_traces(member, ob, entry), *_places(external))
+    way = walks.number(member, scene, graph)
+    state = (member, entry, frames.tobytes(), way, *_traces(member, ob, entry), *_places(external))
     known = _known.get(ob.session_uid)
     if known is None or known[0] != state:
-        points = _points(member, ob, entry, np.concatenate([frames, times]), external)
+        both = np.concatenate([frames, times])
+        points = _points(member, ob, entry, both, external, walks.over(member, scene, graph, both))
         known = _known[ob.session_uid] = (state, points)
     line, keyed = known[1][: len(frames)], known[1][len(frames) :]
     size = member.bodies.size / member.character.local_to_character.scale

@@ -1,31 +1,58 @@
 """Showing generalized actions while frames change and while anything is edited.
 
 What is shown depends on the values and targets of the moment alone. A character is posed anew only when these have
-changed. An animator's own hand on a bone of the active channel is taken for its new pose: it is generalized, and all
-other bodies and characters follow (Hecker 2008 §3.2.1).
+changed, and before Blender evaluates a frame rather than after where what it will show can be guessed. An animator's
+own hand on a bone of the active channel is taken for its new pose: it is generalized, and all other bodies and
+characters follow (Hecker 2008 §3.2.1).
 """
 
 import contextlib
-from collections.abc import Container
+from collections.abc import Container, Set
 
 import bpy
 
 from ...core import play
 from ...core.errors import MorphError
+from ...core.play import Played
+from ..locomotion import walks
+from ..locomotion.walks import ToldWalk
 from ..properties import of_rig
 from . import autokey, cast, deforms, generalize, jiggles, keys, pose, remap, replay, specialized, stage
+from .cast import Member
 from .generalize import Held
+from .pose import Setting, Singles
+from .replay import Frame, Sight
 from .shown import Shown
+from .stage import ToldTargets, ToldValues
 
 _shown: dict[int, Shown] = {}
-_driven: dict[int, set[str]] = {}
+_driven: dict[int, Set[str]] = {}
 """Bones of each character that were posed last; they go back to rest when nothing poses them any more."""
+_foreseen: dict[int, Sight] = {}
+"""What characters were made to show before Blender evaluates the frame that it changes to."""
 _busy: list[bool] = []
 
 
 def shown(ob: bpy.types.Object) -> Shown | None:
     """Return what a character shows, None when it has not been shown yet."""
     return _shown.get(ob.session_uid)
+
+
+def foresee(scene: bpy.types.Scene) -> None:
+    """Put characters in the pose that they showed last at a frame, before Blender evaluates what it changes to.
+
+    A pose that is written then is evaluated with all else; one that is written afterwards has the armature evaluated
+    for a second time. It is a guess, which `show_frame` puts right if values or targets are other than they were.
+    """
+    if _busy:
+        return
+    _foreseen.clear()
+    now = replay.moment(scene)
+    for ob in cast.performers(scene):
+        guess = replay.last(ob.session_uid, now)
+        if guess is not None and not (of_rig(ob).muted or of_rig(ob).live_source):
+            _put(ob, guess.frame, guess.frame.played, guess.frame.setting)
+            _foreseen[ob.session_uid] = guess
 
 
 def show_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
@@ -46,6 +73,7 @@ def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
     changed = {change.id.original for change in graph.updates if change.id is not None}
     for ob in found:
         _drop_edited(ob, changed)
+    walks.edited(ob for ob in found if walks.watches(ob, changed))
     edited = {block for block in changed if isinstance(block, bpy.types.Action)}
     if edited:
         _follow_curves(found, edited)
@@ -78,13 +106,16 @@ def forget(ob: bpy.types.Object | None = None) -> None:
     """Drop what is shown; it is made anew when it is next needed."""
     if ob is None:
         _shown.clear()
+        _foreseen.clear()
         _driven.clear()
         replay.forget()
         autokey.forget()
         jiggles.forget()
+        walks.forget()
         specialized.forget()
     else:
         _shown.pop(ob.session_uid, None)
+        _foreseen.pop(ob.session_uid, None)
         replay.forget(ob.session_uid)
 
 
@@ -111,6 +142,27 @@ def character_changed(ob: bpy.types.ID) -> None:
     action = cast.action_of(ob)
     if action is not None:
         remap.catch_up(action)
+    ob.update_tag(refresh={"OBJECT"})
+
+
+def gait_changed(ob: bpy.types.ID) -> None:
+    """Let a character follow a change of how it goes, with Blender's next update."""
+    assert isinstance(ob, bpy.types.Object), "settings of characters are on objects"
+    try:
+        anew = cast.is_stepping_anew(ob)
+    except MorphError:
+        anew = True  # it is told when the character is shown
+    if anew:
+        cast.forget(ob)
+        forget(ob)
+    course_changed(ob)
+
+
+def course_changed(ob: bpy.types.ID) -> None:
+    """Let a character follow a change of where it goes, with Blender's next update."""
+    assert isinstance(ob, bpy.types.Object), "settings of characters are on objects"
+    walks.edited([ob])
+    jiggles.curves_edited([ob])
     ob.update_tag(refresh={"OBJECT"})
 
 
@@ -148,6 +200,7 @@ def _show(
                 cast.problems.pop(ob.session_uid, None)
     finally:
         _busy.clear()
+        _foreseen.clear()
 
 
 def _show_one(
@@ -157,17 +210,65 @@ def _show_one(
     # While something is edited, the evaluated copy may be older than what was just written.
     source = ob if held is not None else ob.evaluated_get(graph)
     values, targets = stage.told_values(member, source), stage.told_targets(member, ob, graph)
-    inputs = (values.key, targets.key, pose.modes(ob))
+    walk = walks.told(member, source, scene, graph)
+    told = (values.key, targets.key, None if walk is None else walk.key)
+    guess = _foreseen.pop(ob.session_uid, None)
+    if guess is not None:
+        if _is_right(guess, member, told, source, graph):
+            _shown[ob.session_uid].state = guess.state
+            return
+        replay.expect_nothing(ob.session_uid)
+    inputs = (*told, pose.modes(ob))
     before = _shown.get(ob.session_uid)
     if before is not None and before.member is member and before.inputs == inputs and not anew:
         return
-    frame = replay.frame(member, inputs, lambda: play.evaluate(member.part, values.values, targets.places))
-    played = jiggles.shown(member, frame.played, scene, values, targets, anew)
+    frame = replay.frame(member, inputs, targets, lambda: _played(member, values, targets, walk))
+    played = jiggles.shown(member, frame.played, scene, graph, values, targets, anew)
     hands_off = held.bones if held is not None and held.ob == ob else ()
-    as_played = played is frame.played and not hands_off
-    state = pose.show(ob, frame.setting if as_played else pose.Setting.of(member.rig, played, hands_off))
-    names = {member.rig.skeleton.names[bone] for bone in played.bones}
-    pose.rest(ob, _driven.get(ob.session_uid, set()) - names)
-    _driven[ob.session_uid] = names
-    deforms.show(member, played)
-    _shown[ob.session_uid] = Shown(member, inputs, targets, played, state)
+    if played is frame.played and not hands_off:
+        state = _put(ob, frame, played, frame.setting)
+        replay.remember(replay.moment(scene), Sight(frame, pose.basis(ob), state))
+    else:
+        _put(ob, frame, played, Setting.of(member.rig, played, hands_off))
+
+
+def _played(member: Member, values: ToldValues, targets: ToldTargets, walk: ToldWalk | None) -> Played:
+    return play.evaluate(member.part, values.values, targets.places, None if walk is None else walk.layer)
+
+
+def _put(ob: bpy.types.Object, frame: Frame, played: Played, setting: Setting) -> dict[str, Singles]:
+    """Let a character show a frame, and return what its bones' properties are now.
+
+    Args:
+        ob: The character.
+        frame: The frame.
+        played: The same, maybe with jiggles.
+        setting: What to write of it.
+    """
+    state = pose.show(ob, setting)
+    pose.rest(ob, _driven.get(ob.session_uid, frozenset()) - setting.bones)
+    _driven[ob.session_uid] = setting.bones
+    given = deforms.show(frame.member, played)
+    _shown[ob.session_uid] = Shown(frame.member, frame.told, frame.targets, played, state, given)
+    return state
+
+
+def _is_right(
+    guess: Sight, member: Member, told: tuple[object, ...], seen: bpy.types.Object, graph: bpy.types.Depsgraph
+) -> bool:
+    """Return whether a character was made to show what it is told, and Blender has evaluated it like that.
+
+    Args:
+        guess: What it was made to show.
+        member: The character.
+        told: Keys of values, targets and the way.
+        seen: The evaluated character, where keys and drivers of bones may have had their way.
+        graph: What has evaluated it.
+    """
+    return (
+        guess.frame.member is member
+        and guess.frame.told[: len(told)] == told
+        and not of_rig(member.rig.object).jiggles.enabled
+        and pose.basis(seen) == guess.basis
+        and deforms.holds(_shown[member.rig.uid].deforms, graph)
+    )

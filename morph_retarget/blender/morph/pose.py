@@ -46,8 +46,10 @@ def _stretched(rig: Rig, played: Played) -> list[Channel]:
 class Setting:
     """What one frame sets on pose bones."""
 
-    rows: Mapping[str, tuple[Indices, Array]]
-    """By property: places among the pose bones, shape (n,), and values, shape (n, width)."""
+    bones: frozenset[str]
+    """Names of the bones that the frame turns, those that are left as they are among them."""
+    rows: Mapping[str, tuple[Indices, Singles]]
+    """By property: places among the numbers of all pose bones, and values, shapes (n * width,)."""
 
     @classmethod
     def of(cls, rig: Rig, played: Played, but: Collection[str] = ()) -> Self:
@@ -74,12 +76,18 @@ class Setting:
         still = np.zeros((len(places) + len(at), 3))
         for i, own in enumerate(moved, len(places)):
             still[i] = own.values[0]
-        out = {"location": (np.append(places, at).astype(np.intp), still)}
+        out = {"location": _row("location", np.append(places, at).astype(np.intp), still)}
         if len(quaternions):
-            out["rotation_quaternion"] = (places[quaternions], basis[0, quaternions])
+            out["rotation_quaternion"] = _row("rotation_quaternion", places[quaternions], basis[0, quaternions])
         for prop, given in others.items():
-            out[prop] = (np.array([place for place, _ in given]), np.array([value for _, value in given]))
-        return cls(out)
+            out[prop] = _row(prop, np.array([place for place, _ in given]), np.array([value for _, value in given]))
+        return cls(frozenset([names[bone] for bone in played.bones.tolist()]), out)
+
+
+def _row(prop: str, places: Indices, values: Array) -> tuple[Indices, Singles]:
+    """Return a property of bones by its single numbers, which NumPy puts in place much faster than rows."""
+    width = _WIDTHS[prop]
+    return (places[:, None] * width + np.arange(width)).ravel(), values.astype(np.float32).ravel()
 
 
 def modes(ob: bpy.types.Object) -> bytes:
@@ -98,14 +106,22 @@ def show(ob: bpy.types.Object, setting: Setting) -> dict[str, Singles]:
         width = _WIDTHS[prop]
         buffer = now[prop] = np.empty(len(bones) * width, dtype=np.float32)
         bones.foreach_get(prop, buffer)
-        buffer.reshape(-1, width)[places] = values
+        buffer[places] = values
         if ob.library is None:
             bones.foreach_set(prop, buffer)
         else:  # Blender sets linked data one by one alone
-            for place, value in zip(places.tolist(), values, strict=True):
-                setattr(bones[place], prop, value)
+            for start in places[::width].tolist():
+                setattr(bones[start // width], prop, buffer[start : start + width])
     ob.update_tag(refresh={"OBJECT"})
     return now
+
+
+def basis(ob: bpy.types.Object) -> bytes:
+    """Return how all bones are turned, moved and scaled from rest, whatever their rotation modes, to compare it."""
+    bones = pose_of(ob).bones
+    matrices = np.empty(len(bones) * 16, dtype=np.float32)
+    bones.foreach_get("matrix_basis", matrices)
+    return matrices.tobytes()
 
 
 def rest(ob: bpy.types.Object, names: Collection[str]) -> None:

@@ -12,7 +12,7 @@ from ...core.errors import MorphError, RigError
 from ...core.morph.context import Context, select
 from ..properties import of_rig
 from ..rig import armature_of, pose_of
-from . import cast, definitions
+from . import cast
 from .cast import Member
 from .properties import MORPHRETARGET_PG_channel, of_action
 
@@ -66,8 +66,8 @@ def active_character(context: bpy.types.Context) -> bpy.types.Object | None:
 
 def active_channel(action: bpy.types.Action | None) -> MORPHRETARGET_PG_channel | None:
     """Return the channel of an action that the buttons act on, None without one."""
-    own = of_action(action) if definitions.is_generalized(action) else None
-    if own is None:
+    own = of_action(action) if action is not None else None
+    if own is None or not len(own.channels):
         return None
     return own.channels[min(max(own.active_channel, 0), len(own.channels) - 1)]
 

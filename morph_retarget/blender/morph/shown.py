@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ...core.play import Played
 from .cast import Member
+from .deforms import Given
 from .pose import Singles
 from .stage import ToldTargets
 
@@ -19,3 +20,5 @@ class Shown:
     played: Played
     state: dict[str, Singles]
     """Properties of its bones when they were last seen."""
+    deforms: list[Given]
+    """What deforms were given to, which is there until something is edited."""

@@ -13,11 +13,16 @@ from ...core.errors import MorphError
 from ...core.morph.channels import Values
 from .. import actions
 from ..actions import CurveMap
+from ..locomotion import walks
 from ..properties import of_rig
 from ..rig import pose_of
 from . import cast, keys
 from .cast import Member
 from .pose import Singles
+from .values import MORPHRETARGET_PG_values
+
+Rows = tuple[tuple[float, ...], ...]
+"""A matrix, row by row: Blender's own are slow to become arrays."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,28 +31,26 @@ class ToldValues:
 
     rows: tuple[int, ...]
     """For each channel the place of its values."""
-    positions: Singles
-    """Shape (place * 3,)."""
-    rotations: Singles
-    """Shape (place * 4,)."""
-    weights: Singles
-    """Shape (place,)."""
+    numbers: Singles
+    """The positions of all places, their rotations, their weights, shape (place * 8,)."""
     deforms: tuple[tuple[int, str, float], ...]
     """Channel, name and value."""
 
     @property
     def key(self) -> tuple[object, ...]:
         """Equal for the same values."""
-        return self.rows, self.positions.tobytes(), self.rotations.tobytes(), self.weights.tobytes(), self.deforms
+        return self.rows, self.numbers.tobytes(), self.deforms
 
     @cached_property
     def values(self) -> Values:
         """Of all channels; a batch of one frame."""
-        count, rows = len(self.weights), self.rows
+        rows, numbers = self.rows, self.numbers.astype(np.float64)
+        count = len(numbers) // 8
+        positions, rotations, weights = np.split(numbers, [3 * count, 7 * count])
         return Values(
-            self.positions.reshape(1, count, 3).take(rows, axis=1).astype(np.float64),
-            quat.normalize(self.rotations.reshape(1, count, 4).take(rows, axis=1).astype(np.float64)),
-            self.weights.reshape(1, count).take(rows, axis=1).astype(np.float64),
+            positions.reshape(1, count, 3).take(rows, axis=1),
+            quat.normalize(rotations.reshape(1, count, 4).take(rows, axis=1)),
+            weights.reshape(1, count).take(rows, axis=1),
             {(channel, name): np.array([value]) for channel, name, value in self.deforms},
         )
 
@@ -57,15 +60,15 @@ class ToldTargets:
     """Where external targets are as it is read: enough to see whether they, or the character, have moved."""
 
     member: Member
-    frame: Array
-    """The matrix of the character's object, shape (4, 4); of no size when it has no targets."""
+    frame: Rows
+    """The matrix of the character's object; without rows when it has no targets."""
     world: tuple[tuple[int, tuple[float, ...]], ...]
     """Channels that have external targets, and where these are [m], world space."""
 
     @property
     def key(self) -> tuple[object, ...]:
         """Equal for the same places."""
-        return self.frame.tobytes(), self.world
+        return self.frame, self.world
 
     @cached_property
     def places(self) -> Mapping[int, Array]:
@@ -73,44 +76,61 @@ class ToldTargets:
         found: dict[tuple[float, ...], Array] = {}
         for _, world in self.world:
             if world not in found:
-                found[world] = to_character(self.member, self.frame, np.array(world))[None]
+                found[world] = to_character(self.member, np.array(self.frame), np.array(world))[None]
         return {channel: found[world] for channel, world in self.world}
 
 
 def told_values(member: Member, ob: bpy.types.Object) -> ToldValues:
     """Return the values of all channels as they are on an object, original or evaluated."""
     items, names = of_rig(ob).channels, member.names
-    place = {item.name: i for i, item in enumerate(items)}
-    if not names.keys() <= place.keys():  # an evaluated copy may be older than a channel
+    rows = _rows_of(tuple(names), tuple(items.keys()))
+    if rows is None:  # an evaluated copy may be older than a channel
         items = of_rig(member.rig.object).channels
-        place = {item.name: i for i, item in enumerate(items)}
+        rows = _rows_of(tuple(names), tuple(items.keys()))
+        assert rows is not None, "members have values for all channels"
     count = len(items)
-    positions, rotations = np.empty(count * 3, dtype=np.float32), np.empty(count * 4, dtype=np.float32)
-    weights = np.empty(count, dtype=np.float32)
-    items.foreach_get("position", positions)
-    items.foreach_get("rotation", rotations)
-    items.foreach_get("weight", weights)
-    deforms = tuple(
-        (names[item.name], deform.name, deform.value) for item in items for deform in item.deforms if item.name in names
-    )
-    return ToldValues(tuple([place[name] for name in names]), positions, rotations, weights, deforms)
+    numbers = np.empty(count * 8, dtype=np.float32)
+    items.foreach_get("position", numbers[: count * 3])
+    items.foreach_get("rotation", numbers[count * 3 : count * 7])
+    items.foreach_get("weight", numbers[count * 7 :])
+    deforms = [(item.name, deform.name, deform.value) for item in items for deform in item.deforms]
+    return ToldValues(rows, numbers, tuple([(names[c], name, value) for c, name, value in deforms if c in names]))
+
+
+@lru_cache(maxsize=64)
+def _rows_of(wanted: tuple[str, ...], there: tuple[str, ...]) -> tuple[int, ...] | None:
+    """Return the place of each channel that is wanted among those that are there, None if one is missing."""
+    place = {name: i for i, name in enumerate(there)}
+    return tuple([place[name] for name in wanted]) if place.keys() >= set(wanted) else None
 
 
 def told_targets(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> ToldTargets:
     """Return where the external targets of a character are."""
     world: list[tuple[int, tuple[float, ...]]] = []
-    places: dict[tuple[bpy.types.Object, str], tuple[float, ...]] = {}
+    places: dict[tuple[bpy.types.Object | None, str], tuple[float, ...] | None] = {}
     items = of_rig(ob).channels
-    for i in member.external:
-        item = items[member.definition.channels[i].name]
+    for i, name in member.external.items():
+        item = items[name]
         key = (item.target, item.target_bone)
         if key not in places:
-            if not cast.has_target(item):
-                continue
-            places[key] = tuple(place_of(*key, graph).tolist())
-        world.append((i, places[key]))
-    frame = np.array(ob.evaluated_get(graph).matrix_world if world else [], dtype=np.float64)
-    return ToldTargets(member, frame, tuple(world))
+            places[key] = _told_place(item, graph)
+        place = places[key]
+        if place is not None:
+            world.append((i, place))
+    if not world:
+        return ToldTargets(member, (), ())
+    matrix = ob.evaluated_get(graph).matrix_world
+    return ToldTargets(member, tuple([matrix[i].to_tuple() for i in range(4)]), tuple(world))
+
+
+def _told_place(item: MORPHRETARGET_PG_values, graph: bpy.types.Depsgraph) -> tuple[float, ...] | None:
+    """Return where the target of a channel is [m], world space, None if it has none."""
+    target = item.target
+    if target is None:
+        return None
+    if not item.target_bone and (seen := _evaluated(target, graph)) is not None:
+        return seen.matrix_world.translation.to_tuple()
+    return tuple(place_of(target, item.target_bone, graph).tolist()) if cast.has_target(item) else None
 
 
 def values_of(member: Member, ob: bpy.types.Object) -> Values:
@@ -164,7 +184,7 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
         except MorphError:
             pass  # it is told where that character is drawn; here its pose counts as it is
         else:
-            played = play.evaluate(other.free, values_of(other, seen), {})
+            played = play.evaluate(other.free, values_of(other, seen), {}, walks.layer_now(other, seen, graph))
             body = other.rig.skeleton.index[bone]
             local = other.character.local_to_character.inverse().points(played.pose.positions[0, body])
             return _through(_matrix_of(target, graph), local)
@@ -204,11 +224,17 @@ def _matrix_of(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> Array:
 
     One that Blender does not evaluate, being hidden or in no collection of the view layer, is where it was put.
     """
-    layer = graph.view_layer_eval
-    seen = layer.objects.get(ob.name) if layer is not None else None
-    if seen is not None and seen.original == ob:
+    seen = _evaluated(ob, graph)
+    if seen is not None:
         return np.array(seen.matrix_world, dtype=np.float64)
     own = np.array(ob.matrix_basis, dtype=np.float64)
     if ob.parent is None:
         return own
     return _matrix_of(ob.parent, graph) @ np.array(ob.matrix_parent_inverse, dtype=np.float64) @ own
+
+
+def _evaluated(ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> bpy.types.Object | None:
+    """Return an object as Blender has evaluated it, None if it has not."""
+    layer = graph.view_layer_eval
+    seen = layer.objects.get(ob.name) if layer is not None else None
+    return seen if seen is not None and seen.original == ob else None

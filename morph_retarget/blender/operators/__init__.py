@@ -9,6 +9,7 @@ from . import (
     joints,
     keying,
     live,
+    locomotion,
     performing,
     presets,
     retargeting,
@@ -32,4 +33,5 @@ CLASSES = (
     *performing.CLASSES,
     *jiggling.CLASSES,
     *solving.CLASSES,
+    *locomotion.CLASSES,
 )

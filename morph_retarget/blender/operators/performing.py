@@ -38,7 +38,7 @@ class MORPHRETARGET_OT_bake_action(Stepping, bpy.types.Operator):
     def start(self, context: bpy.types.Context) -> Generator[float, None, list[bake.Outcome]]:
         scene = scene_in(context)
         found = cast.performers(scene) if self.all_characters else [performer_meant(context, self.character)]
-        playing = [ob for ob in found if cast.member(ob).part.binding.entries]
+        playing = [ob for ob in found if cast.member(ob).plays]
         for ob in found:
             if ob not in playing:
                 problems = "; ".join(cast.tell(ob)) or "it has no channels for it"

@@ -7,6 +7,7 @@ from . import (
     generalized,
     jiggle_panel,
     joint_list,
+    locomotion_panel,
     panels,
     solver_panel,
 )
@@ -19,5 +20,6 @@ CLASSES = (
     *channel_values.CLASSES,
     *channel_binding.CLASSES,
     *solver_panel.CLASSES,
+    *locomotion_panel.CLASSES,
     *jiggle_panel.CLASSES,
 )

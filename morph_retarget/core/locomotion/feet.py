@@ -25,7 +25,7 @@ TRAILING = 0.5
 """Share of the flight after which toes are no longer bent."""
 RAMP = 1.0 / 3.0
 """Share of a stance over which a foot takes over its load, and over which it gives it away."""
-FREE = 0.15
+FREE = 0.25
 """Share of the flight after which, and before which, the body goes its way whether its leg reaches the foot or not."""
 MOST_SWING = 1.5
 """A foot that swings on as it leaves the ground turns no further than this, in shares of the roll."""
@@ -200,8 +200,12 @@ def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
         longest: How far they may be from there [m], shape (leg,).
     """
     away = feet.places - hips
-    share = np.minimum(longest / np.maximum(quat.length(away), 1e-9), 1.0)
-    return replace(feet, places=feet.places + ((1.0 - feet.held) * (share - 1.0))[..., None] * away)
+    near, free = away.copy(), (1.0 - feet.held)[..., None]
+    near[..., 2] = np.maximum(away[..., 2], -longest)
+    # Forward and back, so that it glides at its height instead of hanging high before it lands.
+    far = np.sqrt(np.maximum(longest**2 - near[..., 2] ** 2, 0.0))
+    near[..., :2] *= np.minimum(far / np.maximum(quat.length(away[..., :2]), 1e-9), 1.0)[..., None]
+    return replace(feet, places=feet.places + free * (near - away))
 
 
 def _rolled(off: Array, strike: Array, stance: Array) -> Array:

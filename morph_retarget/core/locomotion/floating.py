@@ -5,7 +5,6 @@ as what flies by its own thrust has to: forward as it sets out, back as it stops
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -51,7 +50,7 @@ class Floating:
     ground: Ground | None
     warnings: tuple[str, ...]
 
-    @cached_property
+    @property
     def wanted(self) -> tuple[tuple[int, bool, bool], ...]:
         """For each goal its body, and whether it has a place and a turn."""
         return wanted_of((self.root,))

@@ -45,7 +45,7 @@ class Hopping:
     ground: Ground | None
     warnings: tuple[str, ...]
 
-    @cached_property
+    @property
     def wanted(self) -> tuple[tuple[int, bool, bool], ...]:
         """For each goal its body, and whether it has a place and a turn."""
         return wanted_of((self.root,))

@@ -122,7 +122,7 @@ class Inchworm:
     """How high pseudo-feet are lifted [m]."""
     warnings: tuple[str, ...]
 
-    @cached_property
+    @property
     def wanted(self) -> tuple[tuple[int, bool, bool], ...]:
         """For each goal its body, and whether it has a place and a turn."""
         return wanted_of(self.line.posed)

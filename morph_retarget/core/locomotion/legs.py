@@ -214,7 +214,7 @@ def _without_girdle(rig: _Rig, line: tuple[int, ...]) -> tuple[int, ...]:
     while len(line) > 3:
         step = rig.heads[line[1]] - rig.heads[line[0]]
         own = float(np.linalg.norm(step))
-        if own > GIRDLE_LENGTH * rig.length(line) or -step[2] > GIRDLE_DROP * own:
+        if own > GIRDLE_LENGTH * rig.length(line) or abs(step[2]) > GIRDLE_DROP * own:
             break
         line = line[1:]
     return line

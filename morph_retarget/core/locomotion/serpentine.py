@@ -5,7 +5,6 @@ serpenoid curve it is near to). What is raised, a cobra's neck or a rattle, keep
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -54,7 +53,7 @@ class Serpentine:
     """How far the course goes while the winding line goes 1 m."""
     warnings: tuple[str, ...]
 
-    @cached_property
+    @property
     def wanted(self) -> tuple[tuple[int, bool, bool], ...]:
         """For each goal its body, and whether it has a place and a turn."""
         return wanted_of(self.line.posed)

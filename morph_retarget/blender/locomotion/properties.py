@@ -1,0 +1,263 @@
+"""What armature objects keep of their locomotion: how fast and where they go, and in what manner they step."""
+
+from collections.abc import Callable
+from enum import StrEnum
+from math import pi
+from typing import Any
+
+import bpy
+from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+from ...core.locomotion.crawling import Movement
+from ...core.locomotion.settings import GaitSettings, Layers
+from ...core.locomotion.styles import STYLES
+
+course_listeners: list[Callable[[bpy.types.ID], None]] = []
+"""Called after a setting of where a character goes has changed."""
+manner_listeners: list[Callable[[bpy.types.ID], None]] = []
+"""Called after a setting of how it goes there has changed."""
+
+_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
+_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+_DEFAULT = GaitSettings()
+FASTEST = 100.0
+"""Speeds are kept below this [m/s]."""
+KEYED = ("speed", "turn_rate", "direction", "weight")
+"""What may change over time; all else is the same for a whole clip."""
+
+
+class Source(StrEnum):
+    """What makes a character go."""
+
+    SPEED = "SPEED"
+    PATH = "PATH"
+    OWN = "OWN"
+
+
+AUTO = "auto"
+"""The way to get about that suits the character."""
+
+STYLE_ITEMS: Any = [(name, style.title, style.description.removesuffix(".")) for name, style in STYLES.items()]
+_SOURCES: Any = [
+    (Source.SPEED.value, "Speed", "It goes from where it stands, by its speed, turn rate and direction"),
+    (Source.PATH.value, "Path", "It goes along a curve by its speed"),
+    (Source.OWN.value, "Own", "Its object is moved already: by keys, a constraint or what it hangs on"),
+]
+_MOVEMENTS: Any = [
+    (AUTO, "Automatic", "On its feet, or as its shape suggests where there are none"),
+    (Movement.SERPENTINE.value, "Serpentine", "The body winds along one line, as snakes do"),
+    (Movement.INCHWORM.value, "Inchworm", "The rear is drawn up, then the front goes on, as caterpillars do"),
+    (Movement.FLOAT.value, "Float", "It hovers at the height at which it rests"),
+]
+
+
+def tell_course(own: Any, _: bpy.types.Context | None = None) -> None:
+    """Tell that a setting of where a character goes has changed."""
+    for listener in course_listeners:
+        listener(own.id_data)
+
+
+def tell_manner(own: Any, _: bpy.types.Context | None = None) -> None:
+    """Tell that a setting of how a character goes has changed."""
+    for listener in manner_listeners:
+        listener(own.id_data)
+
+
+def _number(name: str, description: str, default: float, **options: Any) -> Any:
+    shared: Any = {"override": _OVERRIDABLE, "update": tell_course}
+    return FloatProperty(name=name, description=description, default=default, **(shared | options))
+
+
+_MANNER: Any = {"options": set(), "update": tell_manner}
+"""Of settings that are the same for a whole clip."""
+
+
+def _factor(name: str, description: str, default: float, most: float = 1.0, soft: float = 1.0) -> Any:
+    return _number(name, description, default, min=0.0, max=most, soft_max=soft, subtype="FACTOR", **_MANNER)
+
+
+def _style(name: str, description: str) -> Any:
+    return EnumProperty(name=name, description=description, items=STYLE_ITEMS, override=_OVERRIDABLE, **_MANNER)
+
+
+def is_curve(_: object, ob: bpy.types.Object) -> bool:
+    """Return whether an object can be a path."""
+    return ob.type == "CURVE"
+
+
+def is_mesh(_: object, ob: bpy.types.Object) -> bool:
+    """Return whether an object can be the ground."""
+    return ob.type == "MESH"
+
+
+class MORPHRETARGET_PG_gait_layer(bpy.types.PropertyGroup):
+    """A style that is layered on others."""
+
+    style: _style("Style", "Manner of going that is mixed in")
+    weight: _factor("Weight", "How much the style counts, the character's own counting as 1", 1.0, 10.0)
+    group: IntProperty(
+        name="Legs",
+        description="Group of legs that goes in this style, 1 for the longest legs; 0 mixes it into that of all. "
+        "Styles of a group take the place of those of all legs",
+        min=0,
+        max=99,
+        soft_max=4,
+        override=_OVERRIDABLE,
+        **_MANNER,
+    )
+
+
+class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
+    """How a character goes."""
+
+    enabled: BoolProperty(
+        name="Locomotion",
+        description="Let legs, or the whole body where there are none, carry the character over the ground",
+        override=_OVERRIDABLE,
+        **_MANNER,
+    )
+    style: _style("Style", "Manner of going; Automatic goes from a walk to faster gaits with the speed")
+    layers: CollectionProperty(
+        type=MORPHRETARGET_PG_gait_layer,
+        name="Further Styles",
+        description="Styles that are mixed in, and styles of single groups of legs",
+        override=_OVERRIDABLE_LIST,
+    )
+    active_layer: IntProperty(name="Active", description="Style that the buttons beside the list act on")
+    source: EnumProperty(
+        name="Goes By",
+        description="What makes the character go",
+        items=_SOURCES,
+        options=set(),
+        override=_OVERRIDABLE,
+        update=tell_course,
+    )
+    speed: _number(
+        "Speed",
+        "Way over the ground in a second; at 0 it stands. Key it to let the gait change with it",
+        1.2,
+        min=-FASTEST,
+        max=FASTEST,
+        soft_min=0.0,
+        soft_max=6.0,
+        step=10,
+        unit="VELOCITY",
+    )
+    turn_rate: _number(
+        "Turn Rate",
+        "Angle by which it turns to its left in a second",
+        0.0,
+        min=-20.0 * pi,
+        max=20.0 * pi,
+        soft_min=-pi,
+        soft_max=pi,
+        step=100,
+        subtype="ANGLE",
+    )
+    direction: _number(
+        "Direction",
+        "Where it goes as it sees it: ahead at 0, to its left at 90°, backward at 180°",
+        0.0,
+        min=-4.0 * pi,
+        max=4.0 * pi,
+        soft_min=-pi,
+        soft_max=pi,
+        step=100,
+        subtype="ANGLE",
+    )
+    path: PointerProperty(
+        type=bpy.types.Object,
+        name="Path",
+        description="Curve that it goes along, from its first point; round and round where it is cyclic. "
+        "One that moves counts as it is at the first frame of the scene",
+        poll=is_curve,
+        override=_OVERRIDABLE,
+        update=tell_course,
+    )
+    ground: PointerProperty(
+        type=bpy.types.Object,
+        name="Ground",
+        description="Mesh that it goes on; a flat floor when empty",
+        poll=is_mesh,
+        override=_OVERRIDABLE,
+        update=tell_course,
+    )
+    stride: _factor("Stride", "Length of the steps; shorter ones follow each other faster", _DEFAULT.stride, 4.0, 2.0)
+    step_height: _factor("Step Height", "How high feet are lifted", _DEFAULT.step_height, 10.0, 3.0)
+    width: _factor(
+        "Width", "How far to the side the feet are put down; at 0 they are on one line", _DEFAULT.width, 4.0, 2.0
+    )
+    crouch: _number(
+        "Crouch",
+        "How much the hips are lowered, as a share of the legs' length",
+        _DEFAULT.crouch,
+        min=-0.2,
+        max=0.9,
+        soft_min=0.0,
+        soft_max=0.5,
+        precision=3,
+        **_MANNER,
+    )
+    body: _factor("Body", "How much hips and spine move with the steps", _DEFAULT.body, 4.0, 2.0)
+    arms: _factor("Arms", "How much of the arms is the gait's; at 0 they are left alone", _DEFAULT.arms)
+    foot_roll: _factor("Foot Roll", "How far feet roll over heel and ball", _DEFAULT.foot_roll, 2.0, 1.5)
+    tilt: _factor("Tilt", "How much feet and body tilt with the slope of the ground", _DEFAULT.tilt)
+    weight: _number(
+        "Weight",
+        "How much of what the legs and the body do is the gait's; can be keyed",
+        1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+    movement: EnumProperty(
+        name="Movement",
+        description="What carries the character: its feet, or its body",
+        items=_MOVEMENTS,
+        override=_OVERRIDABLE,
+        **_MANNER,
+    )
+
+    def settings(self) -> GaitSettings:
+        """Return the manner of stepping as the core takes it: Blender keeps fewer digits, so that 0.98 is another."""
+        groups: dict[int, Layers] = {}
+        for item in self.layers:
+            groups[item.group] = (*groups.get(item.group, ()), (item.style, round(item.weight, 6)))
+        factors = ("stride", "step_height", "width", "crouch", "body", "arms", "foot_roll", "tilt")
+        return GaitSettings(
+            styles=((self.style, 1.0), *groups.pop(0, ())),
+            of_group={group - 1: layers for group, layers in groups.items()},
+            **{name: round(getattr(self, name), 6) for name in factors},
+        )
+
+    def chosen_movement(self) -> Movement | None:
+        """Return how it shall get about, None for what suits it."""
+        return None if self.movement == AUTO else Movement(self.movement)
+
+    def add(self, style: str, group: int = 0) -> MORPHRETARGET_PG_gait_layer:
+        """Return a new layer."""
+        item = self.layers.add()
+        item.style, item.group = style, group
+        self.active_layer = len(self.layers) - 1
+        tell_manner(self)
+        return item
+
+    def remove(self, place: int) -> None:
+        """Remove a layer."""
+        self.layers.remove(place)
+        self.active_layer = min(place, len(self.layers) - 1)
+        tell_manner(self)
+
+
+class Walker:
+    """What a character has for its locomotion; part of the rig's own group."""
+
+    gait: PointerProperty(
+        type=MORPHRETARGET_PG_gait,
+        name="Locomotion",
+        description="How this character goes over the ground",
+        override=_OVERRIDABLE,
+    )
+
+
+CLASSES = (MORPHRETARGET_PG_gait_layer, MORPHRETARGET_PG_gait)

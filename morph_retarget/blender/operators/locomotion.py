@@ -1,0 +1,161 @@
+"""Locomotion: letting characters go over the ground, mixing styles, keying how they go."""
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ...core import play
+from ...core.errors import RigError, listed
+from ..locomotion import going, standing
+from ..locomotion.properties import KEYED, STYLE_ITEMS, MORPHRETARGET_PG_gait
+from ..morph import cast, definitions, perform
+from ..properties import of_rig
+from .generalized import characters_meant, let_play, performer_meant
+from .manners import Status, armature_meant, armature_poll, refuse, reporting, scene_in
+
+NAME = "Locomotion"
+"""Of actions without channels, and of the group of curves."""
+
+
+def any_walker(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
+    """Return whether a character of the scene has locomotion, for a ``poll``."""
+    found = cast.performers(context.scene) if context.scene is not None else []
+    return any(of_rig(ob).gait.enabled for ob in found) or refuse(cls, "No character has locomotion: add it to one")
+
+
+class MORPHRETARGET_OT_add_locomotion(bpy.types.Operator):
+    bl_idname = "morph_retarget.add_locomotion"
+    bl_label = "Add Locomotion"
+    bl_description = (
+        "Let the selected armatures walk, run or crawl over the ground by themselves, "
+        "beneath what their generalized actions do"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        found = characters_meant(context, self.character)
+        for ob in found:
+            _, character, bodies = cast.analysed(ob)
+            standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
+        idle = [ob for ob in found if cast.action_of(ob) is None]
+        if idle:
+            action = bpy.data.actions.new(NAME)
+            action.use_fake_user = True
+            definitions.make(action)
+            let_play(idle, action)
+        for ob in found:
+            of_rig(ob).gait.enabled = True
+        self.report({"INFO"}, f"{listed([ob.name for ob in found], 3)} can go now: set a speed or a path")
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_locomotion(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_locomotion"
+    bl_label = "Remove Locomotion"
+    bl_description = "Let the character stay where its generalized action puts it; the settings are kept"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return any_walker(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = performer_meant(context, self.character)
+        if not of_rig(ob).gait.enabled:
+            raise RigError(f"{ob.name!r} has no locomotion: choose a character that has")
+        of_rig(ob).gait.enabled = False
+        action = cast.action_of(ob)
+        if action is not None and not cast.member(ob).definition.channels:
+            cast.remove(ob)
+            perform.release(ob)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_add_gait_style(bpy.types.Operator):
+    bl_idname = "morph_retarget.add_gait_style"
+    bl_label = "Add Style"
+    bl_description = "Mix another style into the gait, or give a group of legs a style of its own"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    style: EnumProperty(name="Style", description="Manner of going that is mixed in", items=STYLE_ITEMS)
+    group: IntProperty(
+        name="Legs", description="Group of legs, 1 for the longest; 0 for all of them", min=0, max=99, soft_max=4
+    )
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        of_rig(armature_meant(context, self.character)).gait.add(self.style, self.group)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_gait_style(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_gait_style"
+    bl_label = "Remove Style"
+    bl_description = "Take the chosen style out of the gait"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return armature_poll(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = armature_meant(context, self.character)
+        own = of_rig(ob).gait
+        if not 0 <= own.active_layer < len(own.layers):
+            raise RigError(f"{ob.name!r} has no such style: choose one in the list")
+        own.remove(own.active_layer)
+        return {"FINISHED"}
+
+
+_SETTINGS = [
+    (name, MORPHRETARGET_PG_gait.__annotations__[name].keywords["name"], "Key this at the present frame")
+    for name in KEYED
+]
+
+
+class MORPHRETARGET_OT_key_locomotion(bpy.types.Operator):
+    bl_idname = "morph_retarget.key_locomotion"
+    bl_label = "Key Speed"
+    bl_description = "Key how fast the character goes at the present frame; the gait changes with it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    setting: EnumProperty(name="Setting", description="What is keyed", items=_SETTINGS)
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return any_walker(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = performer_meant(context, self.character)
+        if not of_rig(ob).gait.enabled:
+            raise RigError(f"{ob.name!r} has no locomotion: add it first")
+        ob.keyframe_insert(going.curve_path(self.setting), frame=scene_in(context).frame_current_final, group=NAME)
+        return {"FINISHED"}
+
+
+CLASSES = (
+    MORPHRETARGET_OT_add_locomotion,
+    MORPHRETARGET_OT_remove_locomotion,
+    MORPHRETARGET_OT_add_gait_style,
+    MORPHRETARGET_OT_remove_gait_style,
+    MORPHRETARGET_OT_key_locomotion,
+)

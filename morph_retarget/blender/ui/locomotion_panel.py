@@ -1,0 +1,190 @@
+"""The panel of locomotion: how fast and where a character goes, in what style, and when its feet stand."""
+
+# The stubs take every layout and every operator button for optional.
+# pyright: reportOptionalMemberAccess=false, reportArgumentType=false
+
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core.locomotion.gait import Gait
+from ...core.locomotion.styles import STYLES
+from ..locomotion import walks
+from ..locomotion.properties import Source
+from ..morph import cast, query
+from ..properties import of_rig
+from . import gait_diagram
+from .tab import InTab, say, split_layout
+
+FIRST = ("stride", "step_height", "crouch")
+"""Settings that are shown first."""
+DETAILS = ("width", "body", "arms", "foot_roll", "tilt")
+CELL = 23
+"""Of the panel's width, for each column of the diagram [pixels]."""
+LEAST_COLUMNS, MOST_COLUMNS = 8, 32
+"""Of the diagram."""
+
+
+def _walker(context: bpy.types.Context) -> bpy.types.Object | None:
+    """Return the active character if it has locomotion."""
+    ob = query.active_character(context)
+    return ob if ob is not None and cast.action_of(ob) is not None and of_rig(ob).gait.enabled else None
+
+
+class MORPHRETARGET_UL_gait_styles(bpy.types.UIList):
+    """Styles that are mixed in."""
+
+    bl_idname = "MORPHRETARGET_UL_gait_styles"
+
+    def draw_item(
+        self,
+        _context: bpy.types.Context,
+        layout: bpy.types.UILayout,
+        _data: Any,
+        item: Any,
+        _icon: int | None,
+        _active_data: Any,
+        _active_property: str | None,
+        *_: Any,
+    ) -> None:
+        row = layout.row()
+        row.active = item.weight > 0.0
+        row.label(text=STYLES[item.style].title, icon="MOD_WAVE")
+        row.label(text=f"Legs {item.group}" if item.group else "")
+        row.prop(item, "weight", text="", emboss=False)
+
+
+class MORPHRETARGET_PT_locomotion(InTab, bpy.types.Panel):
+    bl_idname = "MORPHRETARGET_PT_locomotion"
+    bl_label = "Locomotion"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return query.active_character(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, ob = split_layout(self), query.active_character(context)
+        if ob is None:
+            return
+        if _walker(context) is None:
+            layout.operator("morph_retarget.add_locomotion", icon="ADD").character = ob.name
+            return
+        own = of_rig(ob).gait
+        row = layout.row(align=True)
+        row.prop(own, "style")
+        row.operator("morph_retarget.remove_locomotion", text="", icon="X").character = ob.name
+        layout.row().prop(own, "source", expand=True)
+        _draw_way(layout, ob)
+        column = layout.column()
+        for name in FIRST:
+            column.prop(own, name)
+        _draw_told(layout, ob, context)
+        _draw_diagram(layout, ob, context)
+
+
+def _draw_way(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    """Draw where a character goes, with dots that key what can be keyed."""
+    own = of_rig(ob).gait
+    column = layout.column()
+    column.use_property_decorate = True
+    if own.source == Source.PATH:
+        row = column.row()
+        row.use_property_decorate = False
+        row.alert = own.path is None
+        row.prop(own, "path")
+    if own.source != Source.OWN:
+        row = column.row(align=True)
+        row.prop(own, "speed")
+        row.operator("morph_retarget.key_locomotion", text="", icon="KEY_HLT").character = ob.name
+    if own.source == Source.SPEED:
+        column.prop(own, "turn_rate")
+        column.prop(own, "direction")
+    column.prop(own, "weight")
+    layout.prop(own, "ground")
+
+
+def _draw_told(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context) -> None:
+    """Say what keeps a character from going as it shall."""
+    problem = cast.problems.get(ob.session_uid) or walks.problems.get(ob.session_uid)
+    if problem:
+        say(layout, problem, "ERROR", context)
+        return
+    walk = walks.known(ob, context.scene)
+    for warning in walk.gait.warnings if walk is not None else ():
+        say(layout, f"{ob.name}: {warning}", "INFO", context)
+
+
+def _draw_diagram(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context) -> None:
+    """Draw when the feet stand over one cycle, as the gait is at the present frame."""
+    walk = walks.known(ob, context.scene)
+    if walk is None or not isinstance(walk.gait, Gait):
+        return
+    width = context.region.width if context.region is not None else 300
+    cell = CELL * (context.preferences.system.ui_scale or 1.0)  # there is none without a window
+    columns = min(max(int(width / cell), LEAST_COLUMNS), MOST_COLUMNS)
+    time = float(walk.clock.times(np.array([context.scene.frame_current_final]))[0])
+    legs, names = walk.gait.legs.legs, walk.gait.character.skeleton.names
+    box = layout.box().column(align=True)
+    box.scale_y = 0.7
+    for row in gait_diagram.rows(walk.gait, time, columns):
+        split = box.split(factor=0.32)
+        split.label(text=names[legs[row.leg].foot], translate=False)
+        split.label(text=row.text, translate=False)
+
+
+class MORPHRETARGET_PT_gait_styles(InTab, bpy.types.Panel):
+    bl_idname = "MORPHRETARGET_PT_gait_styles"
+    bl_parent_id = "MORPHRETARGET_PT_locomotion"
+    bl_label = "Styles"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _walker(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, ob = split_layout(self), _walker(context)
+        if ob is None:
+            return
+        own = of_rig(ob).gait
+        row = layout.row()
+        row.template_list("MORPHRETARGET_UL_gait_styles", "", own, "layers", own, "active_layer", rows=3)
+        buttons = row.column(align=True)
+        buttons.operator_menu_enum("morph_retarget.add_gait_style", "style", text="", icon="ADD").character = ob.name
+        remove = buttons.column(align=True)
+        remove.enabled = len(own.layers) > 0
+        remove.operator("morph_retarget.remove_gait_style", text="", icon="REMOVE").character = ob.name
+        if 0 <= own.active_layer < len(own.layers):
+            item = own.layers[own.active_layer]
+            for name in ("style", "weight", "group"):
+                layout.prop(item, name)
+
+
+class MORPHRETARGET_PT_gait_details(InTab, bpy.types.Panel):
+    bl_idname = "MORPHRETARGET_PT_gait_details"
+    bl_parent_id = "MORPHRETARGET_PT_locomotion"
+    bl_label = "Steps and Body"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return _walker(context) is not None
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, ob = split_layout(self), _walker(context)
+        if ob is None:
+            return
+        column = layout.column()
+        for name in DETAILS:
+            column.prop(of_rig(ob).gait, name)
+        column.prop(of_rig(ob).gait, "movement")
+
+
+CLASSES = (
+    MORPHRETARGET_UL_gait_styles,
+    MORPHRETARGET_PT_locomotion,
+    MORPHRETARGET_PT_gait_styles,
+    MORPHRETARGET_PT_gait_details,
+)
