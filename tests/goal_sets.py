@@ -17,10 +17,11 @@ from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.morphology import Capability, Limb, LimbKind
 from morph_retarget.core.morph.bodies import Bodies
-from morph_retarget.core.solve import posing
+from morph_retarget.core.solve import detached, posing
 from morph_retarget.core.solve.goals import Goals
 from morph_retarget.core.solve.posing import Plan
 from morph_retarget.core.solve.settings import SolverSettings
+from morph_retarget.core.tree import Tree
 from tests import truth
 from tests.skeletons import skeleton_of
 from tools.creatures import CREATURES
@@ -85,6 +86,11 @@ class Subject:
         return (self.bodies.with_capability(Capability.ROOT) or self.bodies.tree.roots)[0]
 
     @cached_property
+    def tree(self) -> Tree:
+        """What carries which body in a pose: limbs carry their feet and hands, wherever these hang."""
+        return detached.carried(self.character, self.root)
+
+    @cached_property
     def goals(self) -> Indices:
         """Bodies that have goals for their places and rotations: the root first, then hands, feet, head, tails."""
         found = [b for capability in _POSED for b in self.bodies.with_capability(capability)]
@@ -109,20 +115,20 @@ class Subject:
     @cached_property
     def of_root(self) -> Indices:
         """The root and all that it carries; other bodies cannot follow it."""
-        return np.array([self.root, *self.bodies.tree.below(self.root)], dtype=np.intp)
+        return np.array([self.root, *self.tree.below(self.root)], dtype=np.intp)
 
     @cached_property
     def joints(self) -> Indices:
         """Bodies that lead from the root to goals and have none themselves: what the pose step turns as it likes."""
-        above = {b for goal in self.goals for b in self.bodies.tree.ancestors[goal]}
-        carries_root = {self.root, *self.bodies.tree.ancestors[self.root]}
+        above = {b for goal in self.goals for b in self.tree.ancestors[goal]}
+        carries_root = {self.root, *self.tree.ancestors[self.root]}
         return np.array(sorted(above - carries_root - {int(b) for b in self.goals}), dtype=np.intp)
 
     @cached_property
     def limbs(self) -> tuple[Hinged, ...]:
         """Limbs that bring a goal's body to its place and whose bones hang on each other."""
         whole = [m for m in self.character.limbs if m.end in self.goals and len(m.bones) > 1]
-        parents = self.bodies.parents
+        parents = self.tree.parents
         return tuple(self._hinged(m) for m in whole if list(parents[list(m.bones[1:])]) == list(m.bones[:-1]))
 
     def _hinged(self, limb: Limb) -> Hinged:
@@ -217,20 +223,29 @@ def posed(subject: Subject, own: Array, shift: Array) -> tuple[Array, Array]:
     """Return places and turns of all bodies, by forward kinematics, shapes (set, body, 3) and (set, body, 4)."""
     bodies = subject.bodies
     turns = own.copy()
-    for level in bodies.tree.levels[1:]:
-        turns[:, level] = quat.multiply(turns[:, bodies.parents[level]], own[:, level])
+    for level in subject.tree.levels[1:]:
+        turns[:, level] = quat.multiply(turns[:, subject.tree.parents[level]], own[:, level])
     moved = bodies.positions[subject.root] + shift
     return placed(subject, turns, moved), turns
 
 
-def placed(subject: Subject, turns: Array, root: Array) -> Array:
-    """Return the places to which turned bodies lead, shape (set, body, 3); ``root`` is where the root is."""
+def placed(subject: Subject, turns: Array, root: Array, moved: Array | None = None) -> Array:
+    """Return the places to which turned bodies lead, shape (set, body, 3).
+
+    Args:
+        subject: The character.
+        turns: Of all bodies, shape (set, body, 4).
+        root: Where the root is [m], shape (set, 3).
+        moved: How far joints are moved off what carries them, in the frame of that [m], shape (set, body, 3).
+    """
     bodies = subject.bodies
     places = np.broadcast_to(bodies.positions, (len(turns), len(bodies), 3)).copy()
-    for level in bodies.tree.levels:
-        parents = bodies.parents[level]
+    for level in subject.tree.levels:
+        parents = subject.tree.parents[level]
         if parents[0] >= 0:
             step = bodies.positions[level] - bodies.positions[parents]
+            if moved is not None:
+                step = step + moved[:, level]
             places[:, level] = places[:, parents] + quat.rotate(turns[:, parents], step)
         if subject.root in level:
             places[:, subject.root] = root
@@ -305,7 +320,7 @@ def coincident(sets: Sets) -> Goals:
 
 def at_the_joint(subject: Subject) -> Goals:
     """Return goals at the joints that lead to them: first each at its own joint, then at those above, to the root."""
-    ancestors, rest = subject.bodies.tree.ancestors, subject.bodies.positions
+    ancestors, rest = subject.tree.ancestors, subject.bodies.positions
     depths = max(len(ancestors[goal]) for goal in subject.goals)
     goals = at_rest(subject, depths + 1)
     for i, goal in enumerate(subject.goals):

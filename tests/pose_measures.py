@@ -4,6 +4,9 @@ import numpy as np
 
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array, Indices
+from morph_retarget.core.character.character import Character
+from morph_retarget.core.play import Played
+from morph_retarget.core.skeleton import pose_from_basis
 from morph_retarget.core.solve import posing
 from morph_retarget.core.solve.goals import Goals
 from morph_retarget.core.solve.posing import BodyPose
@@ -19,8 +22,28 @@ def solved(subject: Subject, goals: Goals) -> BodyPose:
 
 
 def rebuilt(subject: Subject, pose: BodyPose) -> Array:
-    """Return where bodies are when only their turns and the place of the root are believed, shape (frame, body, 3)."""
-    return placed(subject, pose.turns, pose.positions[:, subject.root])
+    """Return where bodies are when only their turns and the place of the root are believed, shape (frame, body, 3).
+
+    And how far feet and hands are moved that do not hang on their limbs.
+    """
+    moved = np.zeros(pose.positions.shape)
+    if pose.stretched is not None:
+        own = list(pose.plan.detached)
+        moved[:, own] = pose.stretched[:, pose.plan.led_by[own]]
+    return placed(subject, pose.turns, pose.positions[:, subject.root], moved)
+
+
+def written(character: Character, played: Played) -> tuple[Array, Array]:
+    """Return places and turns of all bones that keys make, by forward kinematics alone, (frame, bone, 3) and (…, 4)."""
+    skeleton, frames, place = character.skeleton, len(played.basis), character.local_to_character
+    rotations, shifts = quat.identity(frames, len(skeleton)), np.zeros((frames, len(skeleton), 3))
+    rotations[:, played.bones] = played.basis
+    shifts[:, played.root] = played.shift
+    if played.stretched is not None:
+        shifts[:, played.stretched.bones] = played.stretched.shifts
+    rest = skeleton.rest_rotations
+    pose = pose_from_basis(skeleton, rotations, quat.rotate(quat.conjugate(rest), shifts))
+    return place.points(pose.positions), place.turns(quat.multiply(pose.rotations, quat.conjugate(rest)))
 
 
 def misses(subject: Subject, goals: Goals, places: Array) -> Array:
@@ -33,9 +56,9 @@ def length_errors(subject: Subject, places: Array) -> Array:
 
     Bones that are shorter than a thousandth of the character count as long as that. What the root hangs on is no bone.
     """
-    bodies = subject.bodies
-    bones = np.array([b for b in range(len(bodies)) if bodies.parents[b] >= 0 and b != subject.root], dtype=np.intp)
-    above = bodies.parents[bones]
+    bodies, parents = subject.bodies, subject.tree.parents
+    bones = np.array([b for b in range(len(bodies)) if parents[b] >= 0 and b != subject.root], dtype=np.intp)
+    above = parents[bones]
     rest = quat.length(bodies.positions[bones] - bodies.positions[above])
     error = np.abs(quat.length(places[:, bones] - places[:, above]) - rest)
     return error / np.maximum(rest, 1e-3 * HUMAN * subject.scale)

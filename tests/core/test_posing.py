@@ -19,9 +19,9 @@ from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.morph.channels import Channel, TargetKind, Values
 from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from morph_retarget.core.play import Part, Played
-from morph_retarget.core.skeleton import pose_from_basis
+from morph_retarget.core.play import Part
 from morph_retarget.core.solve.settings import SolverSettings
+from tests import pose_measures
 from tests.morph_bodies import real_characters
 from tests.skeletons import skeleton_of
 from tools.figure import CHIBI, Bone, Build, humanoid, moved
@@ -76,16 +76,6 @@ def _wild(rng: np.random.Generator, frames: int, channels: int) -> Values:
     return Values(rng.uniform(-0.6, 0.6, (frames, channels, 3)), turns, rng.uniform(0.0, 1.0, (frames, channels)))
 
 
-def _rebuilt(character: Character, played: Played) -> Array:
-    """Return the places of all bones that the keys make, character frame, by forward kinematics alone."""
-    skeleton, frames = character.skeleton, len(played.basis)
-    rotations, locations = quat.identity(frames, len(skeleton)), np.zeros((frames, len(skeleton), 3))
-    rotations[:, played.bones] = played.basis
-    rest = skeleton.rest_rotations[played.root]
-    locations[:, played.root] = quat.rotate(quat.conjugate(rest), played.shift)
-    return character.local_to_character.points(pose_from_basis(skeleton, rotations, locations).positions)
-
-
 def _assert_at_rest(character: Character) -> None:
     channels = _all_channels()
     played = play.evaluate(_part(character, *channels), _still(2, len(channels)), {})
@@ -100,7 +90,7 @@ def _assert_rebuilt(character: Character, rng: np.random.Generator) -> None:
     played = play.evaluate(_part(character, *channels), _wild(rng, 4, len(channels)), {})
     size = Bodies.of(character).size
     assert np.isfinite(played.pose.positions).all()
-    assert np.abs(_rebuilt(character, played) - played.pose.positions).max() < 1e-6 * size
+    assert np.abs(pose_measures.written(character, played)[0] - played.pose.positions).max() < 1e-6 * size
 
 
 @pytest.mark.parametrize("options", FIGURES.values(), ids=FIGURES)

@@ -18,7 +18,7 @@ BENT = np.radians(14.0), np.radians(85.0)
 """How far elbows are bent in a slow walk and in a run."""
 RUNS = 0.5, 1.0
 """Dimensionless speeds between which the elbows bend."""
-AHEAD = 0.55
+AHEAD = 0.35
 """Elbows bend more as the arm swings forward, by this share of the swing."""
 
 

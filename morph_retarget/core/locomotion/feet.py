@@ -14,7 +14,7 @@ from ..arrays import Array, Flags, Indices
 from .contacts import Contacts
 from .foot_path import FootPath
 from .moving import LEFT, UP, eased
-from .plants import Plants, climbed
+from .plants import Plants
 from .sizes import Sizes
 
 LANDED = 0.2
@@ -25,6 +25,14 @@ TRAILING = 0.5
 """Share of the flight after which toes are no longer bent."""
 RAMP = 1.0 / 3.0
 """Share of a stance over which a foot takes over its load, and over which it gives it away."""
+TRAILS, TURNS = 0.3, 0.4
+"""Share of the flight in which a foot trails, and share in which it changes to going ahead."""
+LEVELLED = 0.7
+"""Share of the flight after which a foot that rolled off is level again …"""
+RAISES = 0.35
+"""… and from which on it raises its toes to land on the heel."""
+HANG = 1.2
+"""How much paws hang in flight beyond their roll, as a share of that."""
 FREE = 0.25
 """Share of the flight after which, and before which, the body goes its way whether its leg reaches the foot or not."""
 MOST_SWING = 1.5
@@ -115,6 +123,8 @@ class Feet:
     """The same of toes: they lie on the ground while the heel rises, and trail in the air, shape (frame, leg)."""
     standing: Flags
     """Whether each is on the ground, shape (frame, leg)."""
+    flight: Array
+    """Share of the flight that is done, 0 on the ground, shape (frame, leg)."""
     held: Array
     """How much the body has to keep each in reach: 1 on the ground, falling to 0 in flight, shape (frame, leg)."""
     load: Array
@@ -141,16 +151,17 @@ def at(steps: Steps, times: Array) -> Feet:
     span = np.where(endless, 1.0, np.maximum(landing - np.where(endless, 0.0, lift), 1e-9))
     stance = np.clip((time - touch) / lasts, 0.0, 1.0)
     flight = np.where(standing, 0.0, np.clip((time - np.where(standing, time, lift)) / span, 0.0, 1.0))
-    way = steps.path.at(flight)
+    step = next_tip - tip
+    way = steps.path.over(flight, step[..., 2] / sizes.lengths)
     along = way[..., 0]
     rolled = _rolled(off, strike, stance)
-    pitch = np.where(standing, rolled, _swung(off, next_strike, flight, span / lasts) + way[..., 3])
+    hung = HANG * sizes.hanging * off * 16.0 * ((1.0 - flight) * flight) ** 2
+    pitch = np.where(standing, rolled, _swung(off, next_strike, flight, span / lasts) + way[..., 3] + hung)
     near = np.where((turn * next_turn).sum(axis=-1, keepdims=True) < 0.0, -next_turn, next_turn)
     flat = quat.normalize(turn + along[..., None] * (near - turn))
     turns = quat.multiply(flat, quat.from_axis_angle(LEFT, pitch))
-    step = next_tip - tip
     front = tip + along[..., None] * step
-    front[..., 2] = tip[..., 2] + climbed(flight, step[..., 2]) * step[..., 2] + way[..., 1] * high
+    front[..., 2] = tip[..., 2] + way[..., 4] * step[..., 2] + way[..., 1] * high
     if steps.path.swerves:
         front += quat.rotate(flat, LEFT) * (way[..., 2] * steps.outward * sizes.lengths)[..., None]
     # While the toes are up it is the heel that stays.
@@ -161,7 +172,17 @@ def at(steps: Steps, times: Array) -> Feet:
     floors, headings = floor + along * (next_floor - floor), heading + along * (next_heading - heading)
     held = 1.0 - eased(np.minimum(flight, 1.0 - flight) / FREE)
     return Feet(
-        places, turns, flat, pitch, toes, standing, held, _load(time, touch, lift, usual, standing), floors, headings
+        places,
+        turns,
+        flat,
+        pitch,
+        toes,
+        standing,
+        flight,
+        held,
+        _load(time, touch, lift, usual, standing),
+        floors,
+        headings,
     )
 
 
@@ -202,9 +223,11 @@ def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
     away = feet.places - hips
     near, free = away.copy(), (1.0 - feet.held)[..., None]
     near[..., 2] = np.maximum(away[..., 2], -longest)
-    # Forward and back, so that it glides at its height instead of hanging high before it lands.
+    # First up with the leg that it trails behind, then back, so that it glides in to land and does not hang high.
     far = np.sqrt(np.maximum(longest**2 - near[..., 2] ** 2, 0.0))
     near[..., :2] *= np.minimum(far / np.maximum(quat.length(away[..., :2]), 1e-9), 1.0)[..., None]
+    up = np.minimum(longest / np.maximum(quat.length(away), 1e-9), 1.0)[..., None] * away
+    near = up + eased((feet.flight - TRAILS) / TURNS)[..., None] * (near - up)
     return replace(feet, places=feet.places + free * (near - away))
 
 
@@ -223,8 +246,10 @@ def _swung(off: Array, strike: Array, flight: Array, ratio: Array) -> Array:
         flight: Share of the flight.
         ratio: How long they fly for each second that they stood.
     """
-    slope, left = np.minimum(2.0 / (1.0 - HEEL_OFF) * ratio, 4.0 * (MOST_SWING - 1.0)) * off, 1.0 - flight
-    return (off * (1.0 + 2.0 * flight) + slope * flight) * left**2 - strike * flight**2 * (3.0 - 2.0 * flight)
+    slope = np.minimum(2.0 / (1.0 - HEEL_OFF) * ratio, 4.0 * (MOST_SWING - 1.0) / LEVELLED) * off
+    first = np.minimum(flight / LEVELLED, 1.0)
+    falling = (off * (1.0 + 2.0 * first) + slope * LEVELLED * first) * (1.0 - first) ** 2
+    return falling - strike * eased((flight - RAISES) / (1.0 - RAISES))
 
 
 def _load(time: Array, touch: Array, lift: Array, usual: Array, standing: Flags) -> Array:

@@ -164,7 +164,7 @@ def _paces(drive: Drive, found: Legs, sizes: Sizes, settings: GaitSettings) -> t
 def _reach(leg: int, sizes: Sizes, crouch: float) -> float:
     """Return how far a foot may be from its home to the front and back while it stands [m]."""
     length = float(sizes.lengths[leg])
-    away = sizes.homes[leg] - sizes.hips[leg]
+    away = sizes.homes[leg] - sizes.hips[leg] + np.array([0.0, sizes.centring[leg], 0.0])
     if sizes.long[leg]:
         length, away = length - float(sizes.tips[leg, 2]), away + sizes.tips[leg]
     low = max(-away[2] - (CROUCHES + crouch) * length, 0.0)

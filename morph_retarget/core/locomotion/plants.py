@@ -43,8 +43,6 @@ HIGHEST = 0.3
 """Feet are never lifted higher than this over what lies between their plants [leg lengths]."""
 LEAST_ARC = 0.25
 """A foot is not lifted for what stands so near to its plants that its arc is lower than this share of its height."""
-CLIMB = 0.6
-"""Share of a flight in which a foot gets up to a higher plant, or down to a lower one."""
 PASSES = 2
 """How often the tilt of a foot is found."""
 
@@ -101,15 +99,21 @@ def find(
     turned = quat.from_axis_angle(UP, headings).reshape(*shape, 4)
     sideways = np.abs((quat.rotate(turned, LEFT) * velocity).sum(axis=-1))
     homes = _spread(sizes, sideways * cycle)
+    homes[..., 1] += sizes.centring[:, None] * eased(quat.length(velocity) * cycle / sizes.lengths[:, None])
     places = quat.rotate(turned, homes) + bodies.reshape(*shape, 3)
     places = apart(places, turned, contacts, sizes)
     forward = (quat.rotate(turned, FORWARD) * velocity).sum(axis=-1)
     rolls = np.clip(forward / np.maximum(quat.length(velocity), 1e-9), 0.0, 1.0)
     floors, bare = bodies[:, 2].reshape(shape), 0
     if ground is not None:
-        places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, np.isfinite(contacts.touch))
+        places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, _seen(course, contacts))
     rises = np.zeros(shape) if ground is None else _obstacles(ground, places, turned, sizes, path)
     return Plants(places, turned, floors, headings.reshape(shape), rolls, rises, bare)
+
+
+def _seen(course: Course, contacts: Contacts) -> Flags:
+    """Return the plants on which feet stand during the course, shape (leg, cycle)."""
+    return (contacts.touch <= course.times[-1]) & (contacts.lift >= course.times[0])
 
 
 def _spread(sizes: Sizes, strides: Array) -> Array:
@@ -183,26 +187,16 @@ def _settled(
 
 def _obstacles(ground: Ground, places: Array, turns: Array, sizes: Sizes, path: FootPath) -> Array:
     """Return how high feet have to fly after each stance to clear the ground between plants [m], (leg, cycle)."""
-    way = path.at(PROBES)
-    out = np.zeros(places.shape[:2])
+    out, lengths = np.zeros(places.shape[:2]), sizes.lengths[:, None]
     for offset in (sizes.tips, sizes.heels):
         here = places + quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
         step = np.concatenate([here[:, 1:], here[:, -1:]], axis=1) - here
-        points = here[:, :, None] + way[:, :1] * step[:, :, None]
-        points[..., 2] = here[:, :, None, 2] + climbed(PROBES, step[:, :, None, 2]) * step[:, :, None, 2]
+        way = path.over(np.broadcast_to(PROBES, (*out.shape, len(PROBES))), (step[..., 2] / lengths)[..., None])
+        points = here[:, :, None] + way[..., :1] * step[:, :, None]
+        points[..., 2] = here[:, :, None, 2] + way[..., 4] * step[:, :, None, 2]
         found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
         over = np.where(np.isfinite(found), found - points[..., 2], -np.inf)
-        over = np.where(over > FLAT * sizes.lengths[:, None, None], over, -np.inf)
-        needed = (over + (CLEARANCE * sizes.lengths)[:, None, None]) / np.maximum(way[:, 1], LEAST_ARC)
+        over = np.where(over > FLAT * lengths[..., None], over, -np.inf)
+        needed = (over + CLEARANCE * lengths[..., None]) / np.maximum(way[..., 1], LEAST_ARC)
         out = np.maximum(out, needed.max(axis=-1))
-    return np.clip(out, 0.0, HIGHEST * sizes.lengths[:, None])
-
-
-def climbed(flight: Array, rise: Array) -> Array:
-    """Return how much of its way up or down a foot has gone: up early and down late, to clear the edges of steps.
-
-    Args:
-        flight: Share of the flight, 0 … 1.
-        rise: How far it goes up [m]; what is broadcast with ``flight``.
-    """
-    return np.where(rise > 0.0, eased(flight / CLIMB), eased((flight - 1.0 + CLIMB) / CLIMB))
+    return np.clip(out, 0.0, HIGHEST * lengths)

@@ -9,6 +9,10 @@ from .. import quat
 from ..arrays import Array, Flags
 from .legs import Leg
 
+PAW, SOLE = 0.1, 0.2
+"""Lengths of soles that hang like paws, and of those that are held level [leg lengths]."""
+CENTRED = 0.8
+"""Share of the way to under its hip by which the foot of an upright leg is put for long strides."""
 LONG = 0.25
 """A foot whose joint is higher over the ground than this share of its leg is long."""
 
@@ -29,6 +33,10 @@ class Sizes:
     """Where the legs begin at rest [m], shape (leg, 3)."""
     long: Flags
     """Whether the foot is a large part of its leg, shape (leg,)."""
+    centring: Array
+    """How far back the feet of long strides are put, to swing about their hips as far to both sides [m], (leg,)."""
+    hanging: Array
+    """How much the foot hangs from its joint in flight: 1 for paws and hooves, 0 for long soles, shape (leg,)."""
     soles: Array
     """Length of the soles [m], 0 for feet that stand on a point, shape (leg,)."""
 
@@ -39,4 +47,8 @@ class Sizes:
         heels, tips = np.array([leg.heel for leg in legs]), np.array([leg.tip for leg in legs])
         lengths, hips = np.array([leg.length for leg in legs]), np.array([leg.hip for leg in legs])
         long = -tips[:, 2] > LONG * (lengths - tips[:, 2])
-        return cls(lengths, homes, heels, tips, hips, long, quat.length((tips - heels)[:, :2]))
+        soles = quat.length((tips - heels)[:, :2])
+        hanging = np.clip((SOLE - soles / lengths) / (SOLE - PAW), 0.0, 1.0)
+        away = hips - homes
+        upright = np.clip(1.0 - np.abs(away[:, 0]) / np.maximum(away[:, 2], 1e-9), 0.0, 1.0)
+        return cls(lengths, homes, heels, tips, hips, long, CENTRED * upright * away[:, 1], hanging, soles)

@@ -19,6 +19,8 @@ from .legs import Leg
 from .moving import UP
 from .sizes import Sizes
 
+ROCKS = 0.5
+"""How far the whole trunk pitches to the feet that carry it, as a share of how far it bends."""
 COUNTER = -0.7
 """How far shoulders without legs turn, as a share of what the hips turn."""
 LONGEST = 0.985
@@ -178,10 +180,11 @@ def _turns(trunk: Trunk, sizes: Sizes, heading: Array, slope: Array, feet: Feet,
     front = ends[1] if ends[1] is not None else COUNTER * rear
     share = trunk.along[:, None]
     both = rear[:, None] + share * (front - rear)[:, None]
-    pitch = ways.pitch * _pitched(feet.load, sizes)
+    rocks = ROCKS * ways.pitch * _pitched(feet.load, sizes)
+    bends = ways.pitch * _gathered(reach, sizes)
     own = np.stack(
         [
-            np.broadcast_to(pitch[:, None], both.shape[:2]) * (1.0 - 2.0 * trunk.along * (ends[1] is None)),
+            rocks[:, None] + bends[:, None] * (2.0 * trunk.along - 1.0),
             ways.roll[:, None] * both[..., 1],
             ways.yaw[:, None] * both[..., 0],
         ],
@@ -202,10 +205,19 @@ def _twisted(reach: Array, load: Array, sides: Array, legs: Indices) -> Array | 
 
 def _pitched(load: Array, sizes: Sizes) -> Array:
     """Return how much more the front feet carry than the rear ones, -1 … 1, shape (frame,)."""
-    middle = sizes.homes[:, 1].mean()
-    far = np.abs(sizes.homes[:, 1] - middle) > 0.5 * APART * sizes.lengths
-    ends = np.where(far, -np.sign(sizes.homes[:, 1] - middle), 0.0)
-    return (load * ends).sum(axis=1) / max(float(np.abs(ends).sum()) / 2.0, 1.0)
+    return (load * _ends(sizes)).sum(axis=1)
+
+
+def _gathered(reach: Array, sizes: Sizes) -> Array:
+    """Return how far front and rear feet are gathered under the body: below 0 when it is stretched, shape (frame,)."""
+    return -np.tanh(2.0 * (reach * _ends(sizes)).sum(axis=1))
+
+
+def _ends(sizes: Sizes) -> Array:
+    """Return what takes values of all feet to the mean of the front ones less that of the rear ones, shape (leg,)."""
+    away = sizes.homes[:, 1].mean() - sizes.homes[:, 1]
+    ends = np.where(np.abs(away) > 0.5 * APART * sizes.lengths, np.sign(away), 0.0)
+    return ends / max(float(np.abs(ends).sum()) / 2.0, 1.0)
 
 
 def _hips(trunk: Trunk, root: Array, turns: Array) -> Array:

@@ -1,6 +1,6 @@
 """A character's hierarchy as planning reads it: what trunk and limbs are, whatever the goals and the settings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +10,8 @@ from .. import quat
 from ..arrays import Array
 from ..character.character import Character
 from ..character.morphology import Capability, Limb
+from ..tree import Tree
+from . import detached
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +22,8 @@ class Hierarchy:
     rest: Array
     """Rest positions of all bodies [m], character frame, shape (body, 3)."""
     root: int
+    fixed: frozenset[int] = frozenset()
+    """Bodies whose joints cannot move off where their parents hold them."""
 
     @property
     def names(self) -> Sequence[str]:
@@ -27,9 +31,20 @@ class Hierarchy:
         return self.character.skeleton.names
 
     @cached_property
+    def tree(self) -> Tree:
+        """What carries which body: its parent, and feet and hands their limbs."""
+        return detached.carried(self.character, self.root, self.fixed)
+
+    @cached_property
     def ancestors(self) -> Sequence[Sequence[int]]:
-        """Of each body, from its parent upward."""
-        return self.character.skeleton.tree.ancestors
+        """Of each body, from what carries it upward."""
+        return self.tree.ancestors
+
+    @cached_property
+    def detached(self) -> Mapping[int, int]:
+        """Feet and hands that do not hang on their limbs, and what each hangs on, -1 when it hangs on nothing."""
+        parents = self.character.skeleton.parents
+        return {int(body): int(parents[body]) for body in np.flatnonzero(parents != self.tree.parents)}
 
     @cached_property
     def axes(self) -> Array:
@@ -39,9 +54,13 @@ class Hierarchy:
 
     @cached_property
     def loose(self) -> frozenset[int]:
-        """Bones that do not take over their parents' rotation, and so must be turned to be carried along."""
+        """Bones that do not go with what carries them by themselves, and so must be turned to be carried along.
+
+        Those that do not take over their parents' rotation, and those that hang elsewhere.
+        """
         inherits = self.character.skeleton.inherits
-        return frozenset() if inherits is None else frozenset(np.flatnonzero(~inherits).tolist())
+        alone = () if inherits is None else np.flatnonzero(~inherits).tolist()
+        return frozenset({*alone, *self.detached})
 
     # --- trunk ---
 

@@ -1,5 +1,6 @@
 """How the goals of some bodies are met on a character: what `planning` finds once and `posing` reads for each clip."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
@@ -129,6 +130,7 @@ class Plan:
     """How the goals of some bodies are met on a character."""
 
     parents: Indices
+    """What carries each body, -1 for roots, shape (body,)."""
     rest: Array
     """Rest positions of all bodies [m], character frame, shape (body, 3)."""
     root: int
@@ -152,9 +154,11 @@ class Plan:
     limited: Limited | None = None
     """Limits of the leaders' turns, None when there are none."""
     stretched: tuple[int, ...] = ()
-    """Leaders whose joints move off where they are held when bones stretch."""
+    """Leaders whose joints move off where their parents hold them: as bones stretch, or since these hang elsewhere."""
     stiff: tuple[int, ...] = ()
     """Bodies that cannot, so that limbs and pieces of the spine keep their lengths."""
+    detached: Mapping[int, int] = field(default_factory=dict[int, int])
+    """Feet and hands that do not hang on what carries them, and what each hangs on, NONE when it hangs on nothing."""
 
     @cached_property
     def led_by(self) -> Indices:
@@ -212,5 +216,12 @@ class Plan:
     @cached_property
     def above(self) -> dict[int, int]:
         """For each leader the one that carries it, NONE for roots."""
-        parents = {leader: int(self.parents[leader]) for leader in self.order}
-        return {leader: int(self.leaders[p]) if p >= 0 else NONE for leader, p in parents.items()}
+        return self._leading({leader: int(self.parents[leader]) for leader in self.order})
+
+    @cached_property
+    def holders(self) -> dict[int, int]:
+        """For each leader the one whose turn it really takes over, NONE for roots: what its limits count from."""
+        return {**self.above, **self._leading(self.detached)}
+
+    def _leading(self, parents: Mapping[int, int]) -> dict[int, int]:
+        return {leader: int(self.leaders[parent]) if parent >= 0 else NONE for leader, parent in parents.items()}

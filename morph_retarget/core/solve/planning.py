@@ -46,7 +46,7 @@ def prepare(
     Raises:
         RigError: A limb has settings that is none of the character.
     """
-    skeleton, hierarchy = character.skeleton, Hierarchy(character, rest, root)
+    skeleton, hierarchy = character.skeleton, Hierarchy(character, rest, root, frozenset(fixed))
     unknown = [name for name in settings.limbs if name not in skeleton.index]
     if unknown:
         ends = listed(skeleton.names[body] for body, position, _ in wanted if position)
@@ -57,11 +57,12 @@ def prepare(
     level = {limb.body: limb.goal for limb in allotment.limbs if hierarchy.is_foot(limb.body)}
     pulled = tuple(dict.fromkeys(_pulled(trunk, waves)))
     driven = _driven(allotment, trunk, {*level, *pulled})
-    moving = driven | hierarchy.loose | {*skeleton.tree.roots}
-    order = skeleton.tree.order
+    tree = hierarchy.tree
+    moving = driven | hierarchy.loose | {*tree.roots}
+    order = tree.order
     leading = tuple(body for body in order if body in moving)
     return Plan(
-        skeleton.parents,
+        tree.parents,
         rest,
         root,
         trunk,
@@ -75,8 +76,9 @@ def prepare(
         settings,
         nudge_of(allotment, settings),
         None if limits is None else Limited.of(limits, hierarchy.axes, leading),
-        pulled,
+        tuple(dict.fromkeys((*pulled, *hierarchy.detached))),
         tuple(dict.fromkeys(_stiff(trunk, waves, fixed))) if settings.allows_stretch else (),
+        hierarchy.detached,
     )
 
 
@@ -92,9 +94,9 @@ def _driven(allotment: Allotment, trunk: Trunk | None, others: Set[int]) -> Set[
 
 def _leaders(hierarchy: Hierarchy, moving: Set[int]) -> Indices:
     """Return for each body the nearest one upward (itself included) that turns by itself, shape (body,)."""
-    skeleton, out = hierarchy.character.skeleton, np.empty(len(hierarchy.rest), dtype=np.intp)
-    for body in skeleton.tree.order:
-        out[body] = body if body in moving else out[skeleton.parents[body]]
+    tree, out = hierarchy.tree, np.empty(len(hierarchy.rest), dtype=np.intp)
+    for body in tree.order:
+        out[body] = body if body in moving else out[tree.parents[body]]
     return out
 
 

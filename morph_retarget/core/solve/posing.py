@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array
-from . import branching, collision, constraints, limb_phase, limit_phase, spine_phase, stretching
+from . import branching, collision, constraints, detached, limb_phase, limit_phase, spine_phase, stretching
 from .collision import Obstacles
 from .constraints import TINY
 from .goals import Goals
@@ -40,7 +40,7 @@ class BodyPose:
     plan: Plan
     stretched: Array | None = None
     """How far the leaders' joints are moved from where what carries them holds them, in the frame of that [m], shape
-    (frame, leader, 3); None where no bone may stretch."""
+    (frame, leader, 3); None where none may move."""
 
     @cached_property
     def turns(self) -> Array:
@@ -64,6 +64,24 @@ class BodyPose:
         plan = self.plan
         away = rotation.apply(self.rotations[:, plan.led_by], plan.rest - plan.rest[plan.leaders])
         return self.places[:, plan.led_by] + away
+
+    @cached_property
+    def shifts(self) -> Array | None:
+        """How far `Plan.stretched` are moved from where their parents hold them, in the frames of these [m].
+
+        Shape (frame, n, 3); None where none may move.
+        """
+        plan = self.plan
+        if self.stretched is None:
+            return None
+        out = self.stretched.take(plan.led_by[list(plan.stretched)], axis=1)
+        for body, parent in plan.detached.items():
+            away, rest = self.positions[:, body], plan.rest[body]
+            if parent != NONE:
+                back = rotation.transposed(self.rotations[:, plan.led_by[parent]])
+                away, rest = rotation.apply(back, away - self.positions[:, parent]), rest - plan.rest[parent]
+            out[:, plan.stretched.index(body)] = away - rest
+        return out
 
 
 def solve(plan: Plan, goals: Goals) -> BodyPose:
@@ -151,8 +169,10 @@ def _reach(state: State, wave: Wave) -> None:
     goals, starts, frames = state.goals, [limb.joints[0] for limb in wave.limbs], len(state)
     carried = stacked([state.rotation(state.plan.above[start]) for start in starts], frames)
     places = stacked([state.place(start) for start in starts], frames)
+    influence = goals.position_influence.take(wave.goals, axis=1)
     along = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
-    own, factors = _solved(wave, along, goals.position_influence.take(wave.goals, axis=1))
+    along = _counted(wave, along, influence)
+    own, factors = _solved(wave, along, influence)
     turned = np.matmul(carried[:, :, None], own)
     if wave.obstacles is not None:
         turned = _freed(state, wave, wave.obstacles, places, turned, factors)
@@ -166,25 +186,36 @@ def _reach(state: State, wave: Wave) -> None:
         for link in wave.elastic.links:
             segment = wave.chains.segments[link.limb, link.place]
             state.draw(link.joint, link.end, factors[:, link.limb, link.place], segment)
+    for i, body in enumerate(wave.ends):
+        if body in state.plan.detached:
+            wanted = places[:, i] + rotation.apply(carried[:, i], along[:, i])
+            state.bring(body, wanted, detached.GAP * wave.chains.full[i])
 
 
-def _solved(wave: Wave, along: Array, influence: Array) -> tuple[Array, Array | None]:
-    """Return how joints turn from where they are carried, and by what factors bones are longer, None if none may.
+def _counted(wave: Wave, along: Array, influence: Array) -> Array:
+    """Return the ways to goals as far as these count; a stem weighs those of its branches itself.
 
     Args:
         wave: The limbs, or the one stem.
         along: From where they start to their goals, in the frames of what carries them [m], shape (frame, goal, 3).
         influence: How far the goals count, shape (frame, goal).
     """
+    if wave.stem is not None or not (influence != 1.0).any():
+        return along
+    rest, part = wave.chains.segments.sum(axis=1), influence[..., None]
+    return np.where(part == 1.0, along, rest + part * (along - rest))
+
+
+def _solved(wave: Wave, along: Array, influence: Array) -> tuple[Array, Array | None]:
+    """Return how joints turn from where they are carried, and by what factors bones are longer, None if none may.
+
+    Arguments as for `_counted`, which returns the ways.
+    """
     if wave.stem is not None:
         own = branching.solve(wave.stem, along, influence)
         if wave.elastic is None:
             return own, None
         return own, stretching.of_stem(wave.elastic, wave.stem, own, along, influence)
-    if (influence != 1.0).any():
-        rest = wave.chains.segments.sum(axis=1)
-        part = influence[..., None]
-        along = np.where(part == 1.0, along, rest + part * (along - rest))
     if wave.elastic is None:
         return limb_phase.solve(wave.chains, along, influence), None
     return stretching.solve(wave.elastic, along, influence)

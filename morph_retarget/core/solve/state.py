@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array
+from .constraints import TINY
 from .goals import Goals
 from .plan import NONE, Plan
 
@@ -31,7 +32,7 @@ class State:
     _rotations: dict[int, Array]
     _places: dict[int, Array]
     _drawn: dict[int, Array]
-    """How far joints are moved from where what carries them holds them, in the frame of that."""
+    """How far joints are moved from where what carries them holds them, in the frame of that [m]."""
 
     @classmethod
     def of(cls, plan: Plan, goals: Goals) -> "State":
@@ -65,7 +66,7 @@ class State:
     def held(self, body: int, turned: Array) -> Array:
         """Return the rotation of a body within its limits."""
         limited = self.plan.limited
-        return turned if limited is None else limited.held(body, self.rotation(self.plan.above[body]), turned)
+        return turned if limited is None else limited.held(body, self.rotation(self.plan.holders[body]), turned)
 
     def rotation(self, leader: int) -> Array:
         """Return how a leader is turned, shape (frame or 1, 3, 3)."""
@@ -97,7 +98,7 @@ class State:
 
     @property
     def stretched(self) -> Array | None:
-        """How far the leaders' joints are moved, shape (frame, leader, 3), None where no bone may stretch."""
+        """How far the leaders' joints are moved, shape (frame, leader, 3), None where none may move."""
         if not self.plan.stretched:
             return None
         none = np.zeros((1, 3))
@@ -138,6 +139,20 @@ class State:
             own = np.matmul(rotation.transposed(self.rotation(above)), self.rotation(joint))
             longer = rotation.apply(own, longer)
         self._drawn[end] = longer
+
+    def bring(self, body: int, place: Array, most: float) -> None:
+        """Move the joint of a body toward a place, from where its limb has brought it.
+
+        Args:
+            body: The body.
+            place: Where it shall be [m], shape (frame, 3).
+            most: How far it moves at most [m].
+        """
+        plan, above = self.plan, self.plan.above[body]
+        drawn = self._drawn.get(body, np.zeros((1, 3)))
+        held = plan.rest[body] - plan.rest[above] + drawn
+        way = rotation.apply(rotation.transposed(self.rotation(above)), place - self.place(above)) - held
+        self._drawn[body] = drawn + np.minimum(most / np.maximum(quat.length(way), TINY), 1.0)[:, None] * way
 
     # --- other states ---
 
