@@ -58,8 +58,7 @@ class Floating:
     def evaluate(self, times: Array, carried: Array | None = None) -> Goals:
         """Return goals for a batch of frames; see `Moving`."""
         places, headings = self.course.at(times)
-        if self.ground is not None:
-            places[:, 2] = self._floor(places)
+        places[:, 2] = self._floor(places)
         turned = quat.from_axis_angle(UP, headings)
         turns = quat.multiply(self._leaning(times), turned)
         swing = np.sin(2.0 * np.pi * BEAT / np.sqrt(self.size) * times)
@@ -67,6 +66,10 @@ class Floating:
         middle[:, 2] += self.settings.body * BOB * self.size * swing
         root = middle + quat.rotate(turns, np.broadcast_to(self.rest - self.middle, places.shape))
         return goals_of((self.root,), root, turns[:, None], carried)
+
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that the body hovers over [m], shape (frame,); see `Moving`."""
+        return self._floor(self.course.at(times)[0])
 
     def _leaning(self, times: Array) -> Array:
         """Return the tilts into the pull, shape (frame, 4)."""
@@ -81,7 +84,8 @@ class Floating:
 
     def _floor(self, places: Array) -> Array:
         """Return the height of the ground around places, softened, shape (frame,)."""
-        assert self.ground is not None
+        if self.ground is None:
+            return places[:, 2]
         angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
         ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(8)], axis=-1) * GROUND_SMOOTH * self.size
         around = places[:, None] + np.concatenate([np.zeros((1, 3)), 0.5 * ring[::2], ring])

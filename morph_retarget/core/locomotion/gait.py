@@ -28,14 +28,13 @@ from .legs import NONE, Legs
 from .moving import LEFT, carried_by, eased
 from .pace import IDLE, Drive, Pace
 from .plants import Plants
+from .reaching import LONGEST, Reach
 from .settings import GaitSettings
 from .sizes import Sizes
 from .trunk import Trunk, Ways
 
-FEWEST = 0.08
-"""A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
-CROUCHES = 0.12
-"""Hips may be lowered this far for a long stride [leg lengths]."""
+NARROWEST = 0.08
+"""Left and right feet count as apart at least so far [leg lengths]."""
 HURRIED = 1.02
 """Strides that have to be shortened by more than this factor are told of."""
 GOING = 0.1
@@ -78,6 +77,10 @@ class Gait:
             carried: From the ground frame to the character's own frame, where its object moves, shape (frame, 4, 4).
         """
         return evaluate(self, times, carried)
+
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that carries the body [m], shape (frame,); see `Moving`."""
+        return trunk.floors(self.trunk, feet.at(self.steps, times))
 
 
 def prepare(
@@ -154,30 +157,15 @@ def _paces(drive: Drive, found: Legs, sizes: Sizes, settings: GaitSettings) -> t
             out.append(pace.other_pace(out[0], group, speeds, own))
         else:
             idle = patterns.pattern(layers, found.sides(group), np.array([IDLE]))
-            reach = min(_reach(leg, sizes, settings.crouch) for leg in group.legs)
-            out.append(
-                pace.first_pace(drive, group, speeds, own, idle, settings.stride, reach, _width(sizes, group.legs))
-            )
+            reach, width = Reach.of(sizes, list(group.legs)), _width(sizes, group.legs)
+            out.append(pace.first_pace(drive, group, speeds, own, idle, settings, reach, width))
     return tuple(out)
-
-
-def _reach(leg: int, sizes: Sizes, crouch: float) -> float:
-    """Return how far a foot may be from its home to the front and back while it stands [m]."""
-    length = float(sizes.lengths[leg])
-    away = sizes.homes[leg] - sizes.hips[leg] + np.array([0.0, sizes.centring[leg], 0.0])
-    if sizes.long[leg]:
-        length, away = length - float(sizes.tips[leg, 2]), away + sizes.tips[leg]
-    low = max(-away[2] - (CROUCHES + crouch) * length, 0.0)
-    # A foot that rolls over its heel and its ball stands for longer below the ankle's way.
-    rolls = 0.5 * float(sizes.soles[leg])
-    far = np.sqrt(max((trunk.LONGEST * length) ** 2 - low**2 - away[0] ** 2, 0.0)) - abs(float(away[1]))
-    return max(far + rolls, FEWEST * length)
 
 
 def _width(sizes: Sizes, own: Sequence[int]) -> float:
     """Return how far the feet of a group are apart from left to right [m]."""
     aside = np.abs(sizes.homes[list(own), 0]).max()
-    return max(2.0 * float(aside), FEWEST * float(sizes.lengths.max()))
+    return max(2.0 * float(aside), NARROWEST * float(sizes.lengths.max()))
 
 
 def _contacts(found: Legs, paces: tuple[Pace, ...], jumps: Array) -> Contacts:
@@ -252,7 +240,7 @@ def evaluate(gait: Gait, times: Array, carried: Array | None = None) -> Goals:
     ways, swing = _ways(gait, times)
     speed = np.interp(times, gait.paces[0].times, gait.paces[0].speeds)
     body = trunk.carried(gait.trunk, gait.steps.sizes, places, headings, moved, ways, gait.settings.tilt)
-    moved = feet.pulled(moved, body.hips, trunk.LONGEST * gait.steps.sizes.lengths)
+    moved = feet.pulled(moved, body.hips, LONGEST * gait.steps.sizes.lengths)
     positions = np.zeros((len(times), len(gait.wanted), 3))
     turns = np.empty((len(times), len(gait.wanted), 4))
     count, first = len(gait.legs.legs), len(gait.trunk.bodies)
@@ -286,7 +274,8 @@ def _ways(gait: Gait, times: Array) -> tuple[Ways, Array]:
     length = float(gait.steps.sizes.lengths.max())
     going = eased(np.interp(place, np.arange(len(own.times)), own.speeds) / GOING) * settings.body
     bob = going * length * now.bob(np.interp(times, own.times, own.phase))
-    crouch = length * (settings.crouch + now.crouch)
+    low = np.interp(times, own.times, own.low)
+    crouch = length * settings.crouch + np.maximum(length * now.crouch, low)
     sway, yaw = settings.body * now.sway, settings.body * now.yaw
     ways = Ways(bob, crouch, sway, yaw, going * now.roll, going * now.pitch, going * now.lean)
     return ways, now.swing

@@ -70,6 +70,12 @@ class Hopping:
         root = places + quat.rotate(turns, np.broadcast_to(self.rest, places.shape))
         return goals_of((self.root,), root, turns[:, None], carried)
 
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that carries the body [m], shape (frame,); see `Moving`."""
+        whole, flight = self._hop(times)
+        start, end = self._stood(whole)[0][:, 2], self._stood(whole + 1.0)[0][:, 2]
+        return start + flight * (end - start)
+
     def _hop(self, times: Array) -> tuple[Array, Array]:
         """Return how many hops were made, and the share of the present one's flight, each (frame,)."""
         sample = np.clip(np.searchsorted(self.course.times, times, side="right") - 1, 0, len(self.course) - 1)

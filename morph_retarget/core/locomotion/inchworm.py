@@ -152,6 +152,18 @@ class Inchworm:
         root, posed = line.goals(turns, points)
         return goals_of(line.posed, root, posed, carried)
 
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that carries the body [m], shape (frame,); see `Moving`."""
+        front, rear = (self.track.at(self._way(times, foot)[0])[:, 2] for foot in (self.front, self.rear))
+        share = self.rear.start / (self.rear.start - self.front.start)
+        return rear + share * (front - rear)
+
+    def _way(self, times: Array, foot: PseudoFoot) -> tuple[Array, Array]:
+        """Return where on the track a pseudo-foot is [m], and the share of its present step, each (frame,)."""
+        whole, share = self._step(times, foot)
+        along = foot.start + self.stride * (whole + eased(share))
+        return np.interp(along, self.along, self.track.ways), share
+
     def _step(self, times: Array, foot: PseudoFoot) -> tuple[Array, Array]:
         """Return how many steps a pseudo-foot has made, and the share of the present one, each (frame,)."""
         cycles = self.track.along(self.along, self.track.way(times)) / self.stride - foot.phase
@@ -161,8 +173,7 @@ class Inchworm:
 
     def _placed(self, times: Array, foot: PseudoFoot) -> tuple[Array, Array, Array]:
         """Return where a pseudo-foot is [m], (frame, 3), its heading and by how much it goes up [rad], (frame,)."""
-        whole, share = self._step(times, foot)
-        ways = np.interp(foot.start + self.stride * (whole + eased(share)), self.along, self.track.ways)
+        ways, share = self._way(times, foot)
         places, headings = self.track.at(ways), self.track.heading(ways)
         slopes = self.track.along(self.slopes, ways)
         places[:, 2] += self.line.points[foot.point, 2] + self.lift * 16.0 * (share * (1.0 - share)) ** 2

@@ -35,6 +35,17 @@ class Moving(Protocol):
         """
         ...
 
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that carries the body, ground frame [m], shape (frame,).
+
+        It is that under the middle of the body as its feet, or what lies on the ground, feel it: without the jumps that
+        the ground itself may have.
+
+        Args:
+            times: [s], shape (frame,).
+        """
+        ...
+
 
 def wanted_of(bodies: Sequence[int]) -> tuple[tuple[int, bool, bool], ...]:
     """Return the goals of what turns some bodies and places the first of them, which is the root."""

@@ -14,6 +14,8 @@ from ..arrays import Array, Flags
 from .course import Course
 from .legs import LegGroup
 from .patterns import Pattern
+from .reaching import Reach
+from .settings import GaitSettings
 
 GRAVITY = 9.81
 """[m/s²]."""
@@ -89,6 +91,8 @@ class Pace:
     """Of the cycle, rising by 1 in each, shape (sample,)."""
     waits: Flags
     """Where the cycle stands still, shape (sample,)."""
+    low: Array
+    """How far the hips are lowered for the strides [m], shape (sample,)."""
     idle: float
     """Frequency of the last steps before standing [1/s]."""
     hurried: float
@@ -107,8 +111,8 @@ def first_pace(
     speeds: Array,
     pattern: Pattern,
     idle: Pattern,
-    stride: float,
-    reach: float,
+    settings: GaitSettings,
+    reach: Reach,
     width: float,
 ) -> Pace:
     """Return the gait of the group that leads.
@@ -119,14 +123,14 @@ def first_pace(
         speeds: Of the group, dimensionless, shape (sample,).
         pattern: Of the group at these speeds.
         idle: Of the group at the speed `IDLE`, one sample.
-        stride: Factor of the length of strides.
-        reach: Farthest that a foot may get from its home while it stands, to the front or back [m].
+        settings: Factors of the length of strides and of the body's movement.
+        reach: How far the legs reach.
         width: How far left and right feet are apart [m].
     """
     metres = speeds * np.sqrt(GRAVITY * group.height)
-    far = 2.0 * reach / pattern.duty.max(axis=1)
+    far = 2.0 * reach.farthest(settings.crouch) / pattern.duty.max(axis=1)
     most = np.minimum(far, _widest(drive, metres, width))
-    wanted = metres / (stride * pattern.stride * group.height)
+    wanted = metres / (settings.stride * pattern.stride * group.height)
     slowest = float(IDLE * np.sqrt(GRAVITY * group.height) / (idle.stride[0] * group.height))
     moving = speeds > STANDING
     frequency = np.where(moving, np.maximum(wanted, metres / most), 0.0)
@@ -138,7 +142,11 @@ def first_pace(
         rests = ~moving & (drive.times >= drive.times[start]) & (done < more)
         phase, frequency = phase + done, np.where(rests & (frequency == 0.0), slowest, frequency)
     hurried = float((metres / far / np.maximum(wanted, 1e-9))[moving].max(initial=1.0))
-    return Pace(drive.times, pattern, speeds, frequency, phase, frequency == 0.0, slowest, hurried)
+    half = 0.5 * metres * pattern.duty.max(axis=1) / np.maximum(frequency, slowest)
+    # In the middle of a step the body is as low already as its style has it.
+    bobs = settings.body * group.length * np.sqrt((pattern.waves**2).sum(axis=(-1, -2)))
+    low = drive.smoothed(np.maximum(reach.lowering(half) - bobs, 0.0))
+    return Pace(drive.times, pattern, speeds, frequency, phase, frequency == 0.0, low, slowest, hurried)
 
 
 def _widest(drive: Drive, metres: Array, width: float) -> Array:
@@ -157,6 +165,7 @@ def other_pace(first: Pace, group: LegGroup, speeds: Array, pattern: Pattern) ->
         ratio * first.frequency,
         ratio * first.phase,
         first.waits,
+        first.low,
         ratio * first.idle,
         first.hurried,
     )

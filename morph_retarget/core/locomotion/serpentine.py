@@ -72,6 +72,15 @@ class Serpentine:
         root, posed = line.goals(turns, line.along(turns, first, points[:, 0]))
         return goals_of(line.posed, root, posed, carried)
 
+    def floors(self, times: Array) -> Array:
+        """Return how high the ground is that carries the body [m], shape (frame,); see `Moving`."""
+        line, (first, last) = self.line, self.line.lying
+        behind = self.forth * (line.ways[first : last + 1] - line.origin)
+        under = self.track.along(self.curve[:, 2], self.track.way(times)[:, None] - behind)
+        # A straight line through what lies on the ground, where the character frame is.
+        fit = np.linalg.pinv(np.stack([np.ones_like(behind), behind], axis=-1))[0]
+        return (under * fit).sum(axis=-1)
+
     def _laid(self, start: Array) -> Array:
         """Return where the points that lie on the ground are when the first is at ways ``start``, (frame, n, 3)."""
         line, (first, last) = self.line, self.line.lying

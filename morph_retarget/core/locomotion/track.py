@@ -17,7 +17,7 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array
-from ..ground import Ground
+from ..ground import Ground, heights_on
 from .course import Course
 from .moving import heading_of
 
@@ -127,8 +127,7 @@ def on_ground(points: Array, ground: Ground | None) -> Array:
     """Return points at the height of the ground, where there is any, shape (n, 3)."""
     if ground is None:
         return points
-    heights = ground(points)
-    return np.column_stack([points[:, :2], np.where(np.isfinite(heights), heights, points[:, 2])])
+    return np.column_stack([points[:, :2], heights_on(ground, points, points[:, 2])])
 
 
 def told(track: Track, size: float) -> Sequence[str]:

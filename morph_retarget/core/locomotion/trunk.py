@@ -17,14 +17,13 @@ from ..character.character import Character
 from .feet import Feet
 from .legs import Leg
 from .moving import UP
+from .reaching import LONGEST
 from .sizes import Sizes
 
 ROCKS = 0.5
 """How far the whole trunk pitches to the feet that carry it, as a share of how far it bends."""
 COUNTER = -0.7
 """How far shoulders without legs turn, as a share of what the hips turn."""
-LONGEST = 0.985
-"""A leg is never stretched further than this share of its length, lest the knee snaps."""
 SOFT = 0.01
 """How softly hips are lowered for a leg that would be stretched further [leg lengths]."""
 SPARE = 12.0
@@ -154,7 +153,7 @@ def carried(
     away = feet.places[..., :2] - places[:, None, :2]
     sin, cos = np.sin(headings)[:, None], np.cos(headings)[:, None]
     reach = (sizes.homes[:, 1] - (cos * away[..., 1] - sin * away[..., 0])) / sizes.lengths
-    floor, aslope, bslope = np.moveaxis(feet.floors @ trunk.tilts.T, -1, 0)
+    floor, aslope, bslope = np.moveaxis(_fitted(trunk.tilts, feet), -1, 0)
     slope = np.zeros((len(places), 3))
     slope[:, 0] = tilt * np.arctan(bslope) + ways.lean
     slope[:, 1] = -tilt * np.arctan(aslope)
@@ -169,6 +168,16 @@ def carried(
     root[:, 2] -= down
     hips[..., 2] -= down[:, None]
     return Carriage(root, turns, hips, reach)
+
+
+def floors(trunk: Trunk, feet: Feet) -> Array:
+    """Return the height of the ground under the body [m], shape (frame,): it is fitted to that under its feet."""
+    return _fitted(trunk.tilts[:1], feet)[:, 0]
+
+
+def _fitted(tilts: Array, feet: Feet) -> Array:
+    """Return what rows of a trunk's ``tilts`` tell of the floors, shape (frame, row), alike in any batch to the bit."""
+    return (feet.floors[:, None] * tilts).sum(axis=-1)
 
 
 def _turns(trunk: Trunk, sizes: Sizes, heading: Array, slope: Array, feet: Feet, reach: Array, ways: Ways) -> Array:

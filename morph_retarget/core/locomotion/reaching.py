@@ -1,0 +1,63 @@
+"""How far legs reach: what strides they allow, and how low the hips go for a stride."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from ..arrays import Array
+from .sizes import Sizes
+
+LONGEST = 0.985
+"""A leg is never stretched further than this share of its length, lest the knee snaps."""
+EASY = 0.97
+"""Hips are lowered for a stride until no leg is stretched further than this share of its length."""
+FEWEST = 0.08
+"""A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
+CROUCHES = 0.12
+"""Hips may be lowered this far for a long stride [leg lengths]."""
+ROLLS = 0.5
+"""By what share of its sole a foot stands for longer than its ankle's way, as it rolls over heel and ball."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """The legs of a group, standing."""
+
+    lengths: Array
+    """Of the stretched legs [m], shape (leg,)."""
+    away: Array
+    """From the hips to where the feet are put for long strides, shape (leg, 3)."""
+    soles: Array
+    """Of the feet [m], shape (leg,)."""
+
+    @classmethod
+    def of(cls, sizes: Sizes, legs: list[int]) -> Self:
+        """Return that of some legs; a long foot is a part of its leg."""
+        ends = np.where(sizes.long[:, None], sizes.tips, 0.0)
+        away = sizes.homes + ends - sizes.hips
+        away[:, 1] += sizes.centring
+        lengths = sizes.lengths - ends[:, 2]
+        return cls(lengths[legs], away[legs], sizes.soles[legs])
+
+    def farthest(self, crouch: float) -> float:
+        """Return how far all feet may be from where they are put, to the front and back, while they stand [m].
+
+        Args:
+            crouch: How much the hips are lowered already [leg lengths].
+        """
+        low = np.maximum(-self.away[:, 2] - (CROUCHES + crouch) * self.lengths, 0.0)
+        flat = np.maximum((LONGEST * self.lengths) ** 2 - low**2 - self.away[:, 0] ** 2, 0.0)
+        far = np.sqrt(flat) - np.abs(self.away[:, 1]) + ROLLS * self.soles
+        return float(np.maximum(far, FEWEST * self.lengths).min())
+
+    def lowering(self, half: Array) -> Array:
+        """Return how far the hips go down for strides [m].
+
+        Args:
+            half: Half of the way that the body goes while a foot stands [m], shape (n,).
+        """
+        far = np.maximum(half[:, None] - ROLLS * self.soles, 0.0) + np.abs(self.away[:, 1])
+        deep = np.sqrt(np.maximum((EASY * self.lengths) ** 2 - far**2 - self.away[:, 0] ** 2, 0.0))
+        most = CROUCHES * self.lengths
+        return np.clip(-self.away[:, 2] - deep, 0.0, most).max(axis=1)
