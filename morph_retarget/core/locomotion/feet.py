@@ -27,6 +27,10 @@ RAMP = 1.0 / 3.0
 """Share of a stance over which a foot takes over its load, and over which it gives it away."""
 TRAILS, TURNS = 0.3, 0.4
 """Share of the flight in which a foot trails, and share in which it changes to going ahead."""
+GIVES = 0.02
+"""How softly flying feet are held in reach [leg lengths]."""
+NARROW = 0.15
+"""They are not drawn nearer than this to under their hips [leg lengths]."""
 LEVELLED = 0.7
 """Share of the flight after which a foot that rolled off is level again …"""
 RAISES = 0.35
@@ -224,11 +228,19 @@ def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
     near, free = away.copy(), (1.0 - feet.held)[..., None]
     near[..., 2] = np.maximum(away[..., 2], -longest)
     # First up with the leg that it trails behind, then back, so that it glides in to land and does not hang high.
-    far = np.sqrt(np.maximum(longest**2 - near[..., 2] ** 2, 0.0))
-    near[..., :2] *= np.minimum(far / np.maximum(quat.length(away[..., :2]), 1e-9), 1.0)[..., None]
-    up = np.minimum(longest / np.maximum(quat.length(away), 1e-9), 1.0)[..., None] * away
+    far = np.sqrt(np.maximum(longest**2 - near[..., 2] ** 2, (NARROW * longest) ** 2))
+    near[..., :2] *= _held(quat.length(away[..., :2]), far, longest)[..., None]
+    up = _held(quat.length(away), longest, longest)[..., None] * away
     near = up + eased((feet.flight - TRAILS) / TURNS)[..., None] * (near - up)
     return replace(feet, places=feet.places + free * (near - away))
+
+
+def _held(distance: Array, most: Array, longest: Array) -> Array:
+    """Return by what factors distances are shortened to be less than others, softly, shape (frame, leg)."""
+    soft = GIVES * longest
+    room = np.clip((most - distance) / soft, -700.0, 40.0)
+    kept = np.where(room < 40.0, most - soft * np.log1p(np.exp(room)), distance)
+    return np.clip(kept, 0.0, None) / np.maximum(distance, 1e-9)
 
 
 def _rolled(off: Array, strike: Array, stance: Array) -> Array:

@@ -14,7 +14,7 @@ from ..arrays import Array, Flags
 from .course import Course
 from .legs import LegGroup
 from .patterns import Pattern
-from .reaching import Reach
+from .reaching import SPREAD, Reach
 from .settings import GaitSettings
 
 GRAVITY = 9.81
@@ -142,17 +142,26 @@ def first_pace(
         rests = ~moving & (drive.times >= drive.times[start]) & (done < more)
         phase, frequency = phase + done, np.where(rests & (frequency == 0.0), slowest, frequency)
     hurried = float((metres / far / np.maximum(wanted, 1e-9))[moving].max(initial=1.0))
-    half = 0.5 * metres * pattern.duty.max(axis=1) / np.maximum(frequency, slowest)
+    stride = metres / np.maximum(frequency, slowest)
+    half = 0.5 * stride * pattern.duty.max(axis=1)
+    share = _aside(drive) / np.maximum(metres, 1e-9)
+    wider = 0.5 * np.maximum(SPREAD * share * stride - width, 0.0)
     # In the middle of a step the body is as low already as its style has it.
     bobs = settings.body * group.length * np.sqrt((pattern.waves**2).sum(axis=(-1, -2)))
-    low = drive.smoothed(np.maximum(reach.lowering(half) - bobs, 0.0))
+    low = drive.smoothed(
+        np.maximum(reach.lowering(half * np.sqrt(np.maximum(1.0 - share**2, 0.0)), half * share + wider) - bobs, 0.0)
+    )
     return Pace(drive.times, pattern, speeds, frequency, phase, frequency == 0.0, low, slowest, hurried)
 
 
 def _widest(drive: Drive, metres: Array, width: float) -> Array:
     """Return the longest stride with which feet do not get far across each other to the side [m], shape (sample,)."""
-    aside = np.abs(drive.smoothed(drive.velocity[:, 0]))
-    return ACROSS * width * np.maximum(metres, 1e-9) / np.maximum(aside, 1e-9)
+    return ACROSS * width * np.maximum(metres, 1e-9) / np.maximum(_aside(drive), 1e-9)
+
+
+def _aside(drive: Drive) -> Array:
+    """Return how fast a body goes to a side [m/s], shape (sample,)."""
+    return np.abs(drive.smoothed(drive.velocity[:, 0]))
 
 
 def other_pace(first: Pace, group: LegGroup, speeds: Array, pattern: Pattern) -> Pace:

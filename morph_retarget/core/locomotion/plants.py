@@ -17,6 +17,7 @@ from .course import Course
 from .foot_path import FootPath
 from .legs import FORWARD
 from .moving import LEFT, UP, eased
+from .reaching import SPREAD
 from .sizes import Sizes
 from .spacing import apart
 
@@ -30,9 +31,6 @@ WIDE = 0.2
 """Where the ground is looked at on both sides of a sole [sole lengths]."""
 SHIFTS = (0.35, -0.35, 0.7, -0.7, 1.05, -1.05)
 """Ways by which a foot is moved forward off an edge, the first that helps [sole lengths]."""
-SPREAD = 0.55
-"""Left and right feet are put at least so far apart for a stride to the side, as a share of it: half would let a foot
-come right beside the other."""
 CLEARANCE = 0.04
 """Height over what lies between two plants that a foot keeps at least [leg lengths]."""
 FLAT = 0.005

@@ -8,14 +8,17 @@ import numpy as np
 from ..arrays import Array
 from .sizes import Sizes
 
-LONGEST = 0.985
+LONGEST = 0.975
 """A leg is never stretched further than this share of its length, lest the knee snaps."""
-EASY = 0.97
+EASY = 0.96
 """Hips are lowered for a stride until no leg is stretched further than this share of its length."""
 FEWEST = 0.08
 """A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
 CROUCHES = 0.12
 """Hips may be lowered this far for a long stride [leg lengths]."""
+SPREAD = 0.55
+"""Left and right feet are put at least so far apart for a stride to the side, as a share of it: half would let a foot
+come right beside the other."""
 ROLLS = 0.5
 """By what share of its sole a foot stands for longer than its ankle's way, as it rolls over heel and ball."""
 
@@ -51,13 +54,15 @@ class Reach:
         far = np.sqrt(flat) - np.abs(self.away[:, 1]) + ROLLS * self.soles
         return float(np.maximum(far, FEWEST * self.lengths).min())
 
-    def lowering(self, half: Array) -> Array:
+    def lowering(self, ahead: Array, aside: Array) -> Array:
         """Return how far the hips go down for strides [m].
 
         Args:
-            half: Half of the way that the body goes while a foot stands [m], shape (n,).
+            ahead: Half of the way that the body goes forward while a foot stands [m], shape (n,).
+            aside: Half of that to the side, and how much wider the feet are put for it [m], shape (n,).
         """
-        far = np.maximum(half[:, None] - ROLLS * self.soles, 0.0) + np.abs(self.away[:, 1])
-        deep = np.sqrt(np.maximum((EASY * self.lengths) ** 2 - far**2 - self.away[:, 0] ** 2, 0.0))
+        far = np.maximum(ahead[:, None] - ROLLS * self.soles, 0.0) + np.abs(self.away[:, 1])
+        wide = aside[:, None] + np.abs(self.away[:, 0])
+        deep = np.sqrt(np.maximum((EASY * self.lengths) ** 2 - far**2 - wide**2, 0.0))
         most = CROUCHES * self.lengths
         return np.clip(-self.away[:, 2] - deep, 0.0, most).max(axis=1)

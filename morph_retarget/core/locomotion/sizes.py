@@ -14,7 +14,7 @@ PAW, SOLE = 0.1, 0.2
 CENTRED = 0.8
 """Share of the way to under its hip by which the foot of an upright leg is put for long strides."""
 LONG = 0.25
-"""A foot whose joint is higher over the ground than this share of its leg is long."""
+"""A foot that stands on its end, its joint higher over the ground than this share of its leg, is long."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +46,8 @@ class Sizes:
         homes = np.array([leg.home for leg in legs]) * np.array([width, 1.0, 1.0])
         heels, tips = np.array([leg.heel for leg in legs]), np.array([leg.tip for leg in legs])
         lengths, hips = np.array([leg.length for leg in legs]), np.array([leg.hip for leg in legs])
-        long = -tips[:, 2] > LONG * (lengths - tips[:, 2])
         soles = quat.length((tips - heels)[:, :2])
+        long = (-tips[:, 2] > LONG * (lengths - tips[:, 2])) & (soles < PAW * lengths)
         hanging = np.clip((SOLE - soles / lengths) / (SOLE - PAW), 0.0, 1.0)
         away = hips - homes
         upright = np.clip(1.0 - np.abs(away[:, 0]) / np.maximum(away[:, 2], 1e-9), 0.0, 1.0)

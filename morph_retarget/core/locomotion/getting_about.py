@@ -1,0 +1,36 @@
+"""Getting about in any way: on feet where a character has them, and without where it has none."""
+
+from ..character.character import Character
+from ..ground import Ground
+from . import crawling, gait
+from .course import Course
+from .crawling import Movement
+from .moving import Moving
+from .settings import GaitSettings
+
+
+def prepare(
+    character: Character,
+    root: int,
+    course: Course,
+    settings: GaitSettings,
+    movement: Movement | None = None,
+    ground: Ground | None = None,
+) -> Moving:
+    """Return how a character goes along a course.
+
+    Args:
+        character: What the rig is.
+        root: The body that carries all others.
+        course: Where it goes.
+        settings: In what manner it steps.
+        movement: What carries it; None for its feet, or for what suits it where it has none.
+        ground: What it goes on, in the ground frame; None for a ground as high as the course.
+
+    Raises:
+        RigError: It cannot go like that.
+        MotionError: The settings lead nowhere.
+    """
+    if movement is None and character.legs:
+        return gait.prepare(character, root, course, settings, ground)
+    return crawling.prepare(character, root, course, settings, ground, movement)
