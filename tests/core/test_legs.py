@@ -22,7 +22,7 @@ from tools.figure import CHIBI, Bone, Build, humanoid, moved
 
 few = settings(max_examples=12)
 seeds = st.integers(0, 10_000)
-FEET = {"biped": 2, "hound": 4, "beetle": 6, "bird": 2, "snake": 0, "asura": 2, "lopside": 2}
+FEET = {"biped": 2, "hound": 4, "beetle": 6, "spider": 8, "bird": 2, "snake": 0, "asura": 2, "lopside": 2}
 
 
 def _creature(name: str) -> Character:

@@ -107,7 +107,10 @@ def _is_humanoid(sight: Sight, plan: Morphology) -> bool:
         return False
     if sight.trust < 1.0:
         return True
-    feet = {b for limb in plan.of(LimbKind.LEG) for b in limb.bones}
+    legs = plan.of(LimbKind.LEG)
+    if legs and all(limb.side == 0 for limb in legs):
+        return False  # what hops on one leg has no others, whatever the search took for them
+    feet = {b for limb in legs for b in limb.bones}
     if feet & {found[j].bone for j in ("leftLowerArm", "rightLowerArm") if j in found}:
         return False
     head = found["head"].bone if "head" in found else plan.trunk.head
@@ -203,7 +206,7 @@ def _humanoid_plan(evidence: Evidence, plan: Morphology, bones: Mapping[str, int
                 digits = tuple(evidence.tree.below(there[-1]))
                 limbs.append(Limb(kind, side, 0, tuple(line), digits))
     used = {b for limb in limbs for b in limb.bones}
-    limbs += [m for m in plan.limbs if m.kind is not LimbKind.LEG and not used & set(m.bones)]
+    limbs += [m for m in plan.limbs if (m.kind is not LimbKind.LEG or m.side == 0) and not used & set(m.bones)]
     head = bones.get("head", plan.trunk.head)
     hips = bones.get("hips", plan.trunk.root)
     chest = next((bones[j] for j in ("upperChest", "chest", "spine") if j in bones), hips)

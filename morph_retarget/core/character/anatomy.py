@@ -11,8 +11,9 @@ from ..arrays import Array, Flags, Indices
 from ..skeleton import Skeleton
 from ..tree import Tree
 from . import joint_names, mirror
+from .mending import mend
 from .names import Reading, read_names
-from .words import SENSES, Sense
+from .words import Sense
 
 EXTRA_HOP = 0.1
 """Cost of passing over a bone that is known to be a twist or helper bone, or has no length."""
@@ -95,7 +96,7 @@ def collect(skeleton: Skeleton, positions: Array, tails: Array) -> Evidence:
     """
     readings = _without_false_ends(skeleton, read_names(skeleton.names))
     scores = [joint_names.joint_scores(r) for r in readings]
-    parents = _mend(skeleton, positions, tails, readings, scores)
+    parents = mend(skeleton, positions, tails, readings, scores)
     return Evidence(skeleton, positions, tails, readings, scores, Tree(parents), mirror.named_partners(readings))
 
 
@@ -111,75 +112,6 @@ def _without_false_ends(skeleton: Skeleton, readings: Sequence[Reading]) -> list
         if goes_on and reading.has(Sense.END):
             out[bone] = replace(reading, senses=reading.senses - {Sense.END})
     return out
-
-
-_NEXT_IN_LIMB = (("LowerLeg", "Foot"), ("LowerArm", "Hand"))
-
-
-def _mend(
-    skeleton: Skeleton,
-    positions: Array,
-    tails: Array,
-    readings: Sequence[Reading],
-    scores: Sequence[Mapping[str, float]],
-) -> Indices:
-    """Put bones back under what they belong to.
-
-    Deform bones that hang on mechanism bones (Rigify) come under the deform bone of the same name; feet and hands that
-    hang on the root (baked inverse kinematics) under the limb at whose end they lie.
-    """
-    parents = _past_mechanism(skeleton, readings)
-    lengths = np.linalg.norm(positions - positions[parents], axis=-1) * (parents >= 0)
-    extent = max(float(np.ptp(positions, axis=0).max()), 1e-9)
-    depth = np.array([len(skeleton.tree.ancestors[b]) for b in range(len(skeleton))])
-    ends = [b for b in range(len(skeleton)) if depth[b] >= 2 and lengths[b] > 1e-3 * extent]
-    ends = [b for b in ends if all(readings[c].has(Sense.END) for c in skeleton.tree.children[b])]
-    ends = [b for b in ends if not joint_names.is_thing(readings[b])]
-    for bone in range(len(skeleton)):
-        parent = int(parents[bone])
-        hangs_loose = depth[bone] == 1 or (parent >= 0 and joint_names.is_thing(readings[parent]))
-        if not hangs_loose or joint_names.is_thing(readings[bone]):
-            continue
-        for end in ends:
-            if end == bone or bone in skeleton.tree.ancestors[end]:
-                continue
-            named = readings[bone].side == readings[end].side != 0 and any(
-                scores[end].get(upper, 0.0) > 2.0 and scores[bone].get(lower, 0.0) > 2.0
-                for upper, lower in _NEXT_IN_LIMB
-            )
-            gap = np.linalg.norm(positions[bone] - tails[end])
-            reach = np.linalg.norm(positions[bone] - positions[end])
-            touches = gap < 0.25 * lengths[end] and 0.4 * lengths[end] < reach < 1.6 * lengths[end]
-            near = named and reach < 2.0 * lengths[end]
-            if (touches or near) and not (readings[bone].known and not named):
-                parents[bone] = end
-                break
-    return parents
-
-
-def _past_mechanism(skeleton: Skeleton, readings: Sequence[Reading]) -> Indices:
-    """Return parents in which controls and mechanism bones above body bones are replaced by their body twins."""
-    things = [joint_names.is_thing(r) for r in readings]
-    twins: dict[tuple[object, ...], int] = {}
-    for bone, reading in enumerate(readings):
-        if not things[bone]:
-            twins.setdefault(_plain(reading), bone)
-    parents = skeleton.tree.parents.copy()
-    for bone in range(len(skeleton)):
-        parent = int(parents[bone])
-        if things[bone] or parent < 0 or not readings[parent].has(Sense.MECHANISM):
-            continue
-        for above in skeleton.tree.ancestors[bone]:
-            twin = twins.get(_plain(readings[above]), above) if things[above] else above
-            if not things[twin] and twin != bone and bone not in skeleton.tree.ancestors[twin]:
-                parents[bone] = twin
-                break
-    return parents
-
-
-def _plain(reading: Reading) -> tuple[object, ...]:
-    """Return a name without the words that tell what its bone is for."""
-    return reading.side, tuple(w for w in reading.words if not set(SENSES.get(w, ())) & {Sense.MECHANISM, Sense.NOISE})
 
 
 @dataclass(frozen=True, eq=False)

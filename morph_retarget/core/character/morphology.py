@@ -11,10 +11,11 @@ from enum import StrEnum
 
 import numpy as np
 
+from . import branches as branching
 from . import trunk
 from .anatomy import Body, Evidence
+from .branches import LEG_SENSES, Branch
 from .joint_names import is_extra
-from .mirror import ALONE
 from .trunk import Trunk
 from .words import DIGITS, Sense
 
@@ -67,23 +68,11 @@ class Limb:
         return self.bones[-1]
 
 
-@dataclass(frozen=True)
-class _Branch:
-    """A branch off the trunk before it is judged."""
-
-    bones: tuple[int, ...]
-    digits: tuple[int, ...]
-    side: int
-    attachment: int
-
-
 _KINDS: Mapping[LimbKind, tuple[Sense, ...]] = {
     LimbKind.WING: (Sense.WING,),
     LimbKind.FIN: (Sense.FIN,),
     LimbKind.TENTACLE: (Sense.TENTACLE,),
-    LimbKind.LEG: (
-        Sense.LEG, Sense.UPPER_LEG, Sense.LOWER_LEG, Sense.KNEE, Sense.ANKLE, Sense.FOOT, Sense.PAW, Sense.TOE,
-    ),
+    LimbKind.LEG: LEG_SENSES,
     LimbKind.ARM: (
         Sense.ARM, Sense.UPPER_ARM, Sense.LOWER_ARM, Sense.ELBOW, Sense.WRIST, Sense.HAND, *DIGITS, Sense.FINGER,
     ),
@@ -100,8 +89,6 @@ _NOT_LIMBS = (
     Sense.CLOTH,
 )
 
-GROUNDED = 0.13
-"""A limb whose lowest bone is nearer to the ground than this share of its attachment's height stands on it."""
 FOOT_HEIGHT = 0.055
 """The foot is the first bone of a leg that starts lower than this share of the leg's attachment."""
 NAMED_FOOT_HEIGHT = 0.25
@@ -129,7 +116,7 @@ def find(body: Body, left_is_x: bool) -> Morphology:
         body: The rig in its trial frame.
         left_is_x: Whether the trial frame's +X is the character's left.
     """
-    branches = _branches(body, left_is_x)
+    branches = branching.find(body, left_is_x)
     kinds = _kinds(body, branches)
     limbs: list[Limb] = []
     for kind in LimbKind:
@@ -138,74 +125,16 @@ def find(body: Body, left_is_x: bool) -> Morphology:
     attachments = [b.attachment for b, k in zip(branches, kinds, strict=True) if k is not None]
     legs = [b.attachment for b, k in zip(branches, kinds, strict=True) if k is LimbKind.LEG]
     rows = len({m.row for m in limbs if m.kind is LimbKind.LEG})
-    return Morphology(trunk.find(body, attachments, legs, rows), tuple(limbs))
-
-
-# --- branches ---
-
-
-def _branches(body: Body, left_is_x: bool) -> list[_Branch]:
-    """Return every branch of bones off the middle that could be a limb."""
-    evidence = body.evidence
-    off_middle = (body.partner >= 0) | ((body.partner == ALONE) & (np.abs(body.points[:, 0]) > 0.03))
-    out: list[_Branch] = []
-
-    def start(bone: int, attachment: int, above: tuple[int, ...]) -> None:
-        """Collect the branch that begins with ``above`` and ``bone`` and hangs on ``attachment``."""
-        line, reach = [*above, bone], 0.0
-        while True:
-            below = [c for c in evidence.tree.children[line[-1]] if not evidence.thing[c] and not _is_spur(evidence, c)]
-            if not below:
-                break
-            if len(below) > 1:
-                lengths = [_reach(evidence, c) for c in below]
-                long = [c for c, length in zip(below, lengths, strict=True) if length > max(reach, 0.25 * body.size)]
-                if len(long) > 1 and not _is_extremity(evidence, line[-1]):
-                    for child in long:
-                        start(child, attachment, ())
-                    return
-                if _is_extremity(evidence, line[-1]) or len(below) > 2 or max(lengths) < 0.5 * reach:
-                    break
-                below = [below[int(np.argmax(lengths))]]
-            reach += float(np.linalg.norm(evidence.positions[below[0]] - evidence.positions[line[-1]]))
-            line.append(below[0])
-        digits = evidence.tree.below(line[-1])
-        side = evidence.readings[bone].side or int(np.sign(body.points[bone, 0])) * (1 if left_is_x else -1)
-        if body.partner[bone] >= 0 and abs(body.points[bone, 0]) > 0.02:
-            side = int(np.sign(body.points[bone, 0])) * (1 if left_is_x else -1)
-        out.append(_Branch(tuple(line), tuple(digits), side, attachment))
-
-    for bone in range(len(evidence)):
-        parent = int(evidence.tree.parents[bone])
-        if off_middle[bone] and not evidence.thing[bone] and parent >= 0 and not off_middle[parent]:
-            start(bone, parent, ())
-    return out
-
-
-def _is_spur(evidence: Evidence, bone: int) -> bool:
-    """Return whether a bone only hangs on its parent: a feather, or a twist, heel or share bone without children."""
-    reading = evidence.readings[bone]
-    return reading.has(Sense.FEATHER) or (
-        not evidence.tree.children[bone] and reading.has(Sense.TWIST, Sense.HELPER, Sense.HEEL)
-    )
-
-
-def _is_extremity(evidence: Evidence, bone: int) -> bool:
-    return evidence.readings[bone].has(Sense.HAND, Sense.WRIST, Sense.PAW)
-
-
-def _reach(evidence: Evidence, bone: int) -> float:
-    """Return the longest way from a bone's parent to an end below it [m]."""
-    own = float(np.linalg.norm(evidence.positions[bone] - evidence.positions[evidence.tree.parents[bone]]))
-    return own + max((_reach(evidence, c) for c in evidence.tree.children[bone]), default=0.0)
+    in_middle = {b for limb in limbs if limb.kind is LimbKind.LEG and limb.side == 0 for b in limb.bones}
+    return Morphology(trunk.find(body, attachments, legs, rows, in_middle), tuple(limbs))
 
 
 # --- kinds ---
 
 
-def _kinds(body: Body, branches: Sequence[_Branch]) -> list[LimbKind | None]:
+def _kinds(body: Body, branches: Sequence[Branch]) -> list[LimbKind | None]:
     """Return what each branch is, None for ears, eyes, hair and the like."""
-    grounded = [_is_grounded(body, b) for b in branches]
+    grounded = [branching.is_grounded(body, b) for b in branches]
     said = [_said(body.evidence, b) for b in branches]
     standing = any(g and s in (LimbKind.LEG, None, LimbKind.ARM) for g, s in zip(grounded, said, strict=True))
     kinds = [_kind(body, b, g, s, standing) for b, g, s in zip(branches, grounded, said, strict=True)]
@@ -223,11 +152,11 @@ def _kinds(body: Body, branches: Sequence[_Branch]) -> list[LimbKind | None]:
     return kinds
 
 
-def _is_flipper(evidence: Evidence, branch: _Branch) -> bool:
+def _is_flipper(evidence: Evidence, branch: Branch) -> bool:
     return any({"flipper", "flippers"} & set(evidence.readings[b].words) for b in branch.bones)
 
 
-def _said(evidence: Evidence, branch: _Branch) -> LimbKind | str | None:
+def _said(evidence: Evidence, branch: Branch) -> LimbKind | str | None:
     votes: Counter[LimbKind | str] = Counter()
     for bone in (*branch.bones, *branch.digits):
         reading = evidence.readings[bone]
@@ -240,14 +169,10 @@ def _said(evidence: Evidence, branch: _Branch) -> LimbKind | str | None:
     return votes.most_common(1)[0][0] if votes else None
 
 
-def _is_grounded(body: Body, branch: _Branch) -> bool:
-    heights = body.points[list(branch.bones) + list(branch.digits), 2]
-    start = max(float(body.points[branch.bones[0], 2]), float(body.points[branch.attachment, 2]))
-    return bool(heights.min() < GROUNDED * max(start, 0.1)) and start > 0.08
-
-
-def _kind(body: Body, branch: _Branch, grounded: bool, said: LimbKind | str | None, standing: bool) -> LimbKind | None:
+def _kind(body: Body, branch: Branch, grounded: bool, said: LimbKind | str | None, standing: bool) -> LimbKind | None:
     evidence = body.evidence
+    if branch.in_middle:
+        return LimbKind.LEG if said in (LimbKind.LEG, None) else None
     if said in (LimbKind.WING, LimbKind.FIN, LimbKind.TENTACLE):
         return LimbKind(said)
     if any(
@@ -256,7 +181,7 @@ def _kind(body: Body, branch: _Branch, grounded: bool, said: LimbKind | str | No
         return None  # what grows on a head is an ear, an antler or hair
     if said == "other" or evidence.readings[branch.bones[0]].has(Sense.TAIL):
         return None
-    length = _reach(evidence, branch.bones[0]) / body.size
+    length = branching.reach_of(evidence, branch.bones[0]) / body.size
     if said is LimbKind.LEG:
         return LimbKind.LEG if grounded or not standing else LimbKind.ARM
     if said is LimbKind.ARM:
@@ -268,11 +193,11 @@ def _kind(body: Body, branch: _Branch, grounded: bool, said: LimbKind | str | No
     return LimbKind.LEG if grounded else LimbKind.ARM
 
 
-def _says_shoulder(evidence: Evidence, branch: _Branch) -> bool:
+def _says_shoulder(evidence: Evidence, branch: Branch) -> bool:
     return any(evidence.readings[b].has(Sense.SHOULDER, Sense.CLAVICLE, Sense.HIP, Sense.HIPS) for b in branch.bones)
 
 
-def _ends_in_hand_above_ground(body: Body, branch: _Branch) -> bool:
+def _ends_in_hand_above_ground(body: Body, branch: Branch) -> bool:
     """Return whether an arm that reaches down is still an arm: its hand hangs above other, lower limbs."""
     return float(body.points[branch.bones[-1], 2]) > 0.2
 
@@ -280,21 +205,17 @@ def _ends_in_hand_above_ground(body: Body, branch: _Branch) -> bool:
 # --- limbs ---
 
 
-def _rows(body: Body, kind: LimbKind, branches: Sequence[_Branch], left_is_x: bool) -> list[Limb]:
-    """Return the limbs of one kind, numbered from the front; partners share a row."""
+def _rows(body: Body, kind: LimbKind, branches: Sequence[Branch], left_is_x: bool) -> list[Limb]:
+    """Return the limbs of one kind, numbered from the front; partners share a row, and a leg between them does."""
     front = -1.0 if left_is_x else 1.0
     pairs: dict[int, float] = {}
     for branch in branches:
-        partner = int(body.partner[branch.bones[0]])
-        key = min(branch.bones[0], partner) if partner >= 0 else branch.bones[0]
-        middle = (*branch.bones, *branch.digits)
-        place = float(np.mean(body.points[list(middle), 1])) * front
-        pairs[key] = max(pairs.get(key, -np.inf), place)
+        key = _pair(body, branch, branches)
+        pairs[key] = max(pairs.get(key, -np.inf), _place(body, branch) * front)
     order = {key: row for row, key in enumerate(sorted(pairs, key=lambda k: -pairs[k]))}
     out: list[Limb] = []
     for branch in branches:
-        partner = int(body.partner[branch.bones[0]])
-        key = min(branch.bones[0], partner) if partner >= 0 else branch.bones[0]
+        key = _pair(body, branch, branches)
         bones, digits = branch.bones, branch.digits
         if kind is LimbKind.LEG:
             bones, digits = _end_at_foot(body, branch)
@@ -304,7 +225,21 @@ def _rows(body: Body, kind: LimbKind, branches: Sequence[_Branch], left_is_x: bo
     return out
 
 
-def _end_at_foot(body: Body, branch: _Branch) -> tuple[tuple[int, ...], tuple[int, ...]]:
+def _pair(body: Body, branch: Branch, branches: Sequence[Branch]) -> int:
+    """Return the first bone of a branch or its partner, the lower of both; in the middle that of the pair beside it."""
+    beside = [b for b in branches if branch.in_middle and not b.in_middle and b.attachment == branch.attachment]
+    if beside:
+        branch = min(beside, key=lambda b: abs(_place(body, b) - _place(body, branch)))
+    partner = int(body.partner[branch.bones[0]])
+    return min(branch.bones[0], partner) if partner >= 0 else branch.bones[0]
+
+
+def _place(body: Body, branch: Branch) -> float:
+    """Return how far back a branch is, in heights of the rig."""
+    return float(np.mean(body.points[[*branch.bones, *branch.digits], 1]))
+
+
+def _end_at_foot(body: Body, branch: Branch) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Cut a leg at the bone that meets the ground."""
     evidence = body.evidence
     line = [b for b in branch.bones if not evidence.readings[b].has(Sense.END)] or list(branch.bones)
@@ -320,7 +255,7 @@ def _end_at_foot(body: Body, branch: _Branch) -> tuple[tuple[int, ...], tuple[in
     return tuple(line[: foot + 1]), tuple(beyond)
 
 
-def _end_at_hand(evidence: Evidence, branch: _Branch) -> tuple[tuple[int, ...], tuple[int, ...]]:
+def _end_at_hand(evidence: Evidence, branch: Branch) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """Cut an arm at its hand: the bone of that name, or the last before markers and single fingers."""
     line = list(branch.bones)
     hands = [i for i, b in enumerate(line) if evidence.readings[b].has(Sense.HAND, Sense.WRIST)]

@@ -1,6 +1,6 @@
 """The trunk of any body: head, pelvis, spine, neck and tails, from names first and from the shape where they fail."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,13 @@ class Trunk:
     tails: tuple[tuple[int, ...], ...]
 
 
-def find(body: Body, attachments: Sequence[int], leg_attachments: Sequence[int], leg_rows: int) -> Trunk:
+def find(
+    body: Body,
+    attachments: Sequence[int],
+    leg_attachments: Sequence[int],
+    leg_rows: int,
+    in_legs: Set[int] = frozenset(),
+) -> Trunk:
     """Return the trunk of ``body``.
 
     Args:
@@ -33,6 +39,7 @@ def find(body: Body, attachments: Sequence[int], leg_attachments: Sequence[int],
         attachments: Bones on which arms, legs and wings hang.
         leg_attachments: Those on which legs hang.
         leg_rows: Pairs of legs; bodies with three and more have no neck.
+        in_legs: Bones of legs that stand in the middle, where tails are.
     """
     evidence = body.evidence
     head, head_by = find_head(body)
@@ -40,7 +47,7 @@ def find(body: Body, attachments: Sequence[int], leg_attachments: Sequence[int],
     line = _line(evidence, pelvis, head) if head is not None else [pelvis]
     while evidence.tree.parents[line[0]] >= 0 and _is_spine(evidence, int(evidence.tree.parents[line[0]])):
         line.insert(0, int(evidence.tree.parents[line[0]]))
-    tails = _tails(body, line, head)
+    tails = [tail for tail in _tails(body, line, head) if not in_legs & {*tail}]
     line = [line[0], *(b for b in line[1:] if not _is_tail(evidence, b))]
     in_tail = {b for tail in tails for b in tail}
     neck = _neck(evidence, line, attachments) if leg_rows < 3 else ()
