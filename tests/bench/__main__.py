@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import core, ik, jiggle, length, live, mapping, mesh, perform, playback, retarget, transfer
+from . import core, gait, ik, jiggle, length, live, mapping, mesh, perform, playback, retarget, transfer
 from .figures import Figure, table
 
 BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
@@ -27,6 +27,7 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "playback": playback.run,
     "jiggle": jiggle.run,
     "ik": ik.run,
+    "gait": gait.run,
 }
 
 

@@ -89,6 +89,8 @@ class Steps:
             plants.floors,
             plants.headings,
             self.usual,
+            plants.clearance.early,
+            plants.clearance.late,
         ]
         now = np.concatenate([np.stack(own, axis=-1), plants.turns, tips, heels], axis=-1)
         later = np.stack([contacts.touch, rolls.strike, plants.floors, plants.headings], axis=-1)
@@ -97,7 +99,7 @@ class Steps:
         number: Indices = np.arange(len(contacts.touch[0]))
         last = number >= contacts.counts[:, None] - 1
         later[last, 0], now[last, 1] = np.inf, np.inf
-        later[last, 1:8] = now[last][:, [3, 5, 6, 8, 9, 10, 11]]
+        later[last, 1:8] = now[last][:, [3, 5, 6, 10, 11, 12, 13]]
         later[last, 8:] = tips[last]
         return np.concatenate([now, later], axis=-1).reshape(-1, now.shape[-1] + later.shape[-1])
 
@@ -127,8 +129,8 @@ class Feet:
     """The same of toes: they lie on the ground while the heel rises, and trail in the air, shape (frame, leg)."""
     standing: Flags
     """Whether each is on the ground, shape (frame, leg)."""
-    flight: Array
-    """Share of the flight that is done, 0 on the ground, shape (frame, leg)."""
+    glides: Array
+    """How much each keeps its height, from 0 where it trails to 1 where it comes in to land, shape (frame, leg)."""
     held: Array
     """How much the body has to keep each in reach: 1 on the ground, falling to 0 in flight, shape (frame, leg)."""
     load: Array
@@ -144,10 +146,10 @@ def at(steps: Steps, times: Array) -> Feet:
     sizes, most = steps.sizes, steps.contacts.touch.shape[1]
     at_leg: Indices = most * np.arange(len(sizes.lengths))
     row = steps.table.take(steps.contacts.cycles(times) + at_leg, axis=0)
-    touch, lift, off, strike, high, floor, heading, usual = (row[..., i] for i in range(8))
-    turn, tip, heel = row[..., 8:12], row[..., 12:15], row[..., 15:18]
-    landing, next_strike, next_floor, next_heading = (row[..., i] for i in range(18, 22))
-    next_turn, next_tip = row[..., 22:26], row[..., 26:29]
+    touch, lift, off, strike, high, floor, heading, usual, early, late = (row[..., i] for i in range(10))
+    turn, tip, heel = row[..., 10:14], row[..., 14:17], row[..., 17:20]
+    landing, next_strike, next_floor, next_heading = (row[..., i] for i in range(20, 24))
+    next_turn, next_tip = row[..., 24:28], row[..., 28:31]
     time = times[:, None]
     standing = time <= lift
     endless = np.isinf(lift)
@@ -156,7 +158,7 @@ def at(steps: Steps, times: Array) -> Feet:
     stance = np.clip((time - touch) / lasts, 0.0, 1.0)
     flight = np.where(standing, 0.0, np.clip((time - np.where(standing, time, lift)) / span, 0.0, 1.0))
     step = next_tip - tip
-    way = steps.path.over(flight, step[..., 2] / sizes.lengths)
+    way = steps.path.over(flight, early, late)
     along = way[..., 0]
     rolled = _rolled(off, strike, stance)
     hung = HANG * sizes.hanging * off * 16.0 * ((1.0 - flight) * flight) ** 2
@@ -165,7 +167,9 @@ def at(steps: Steps, times: Array) -> Feet:
     flat = quat.normalize(turn + along[..., None] * (near - turn))
     turns = quat.multiply(flat, quat.from_axis_angle(LEFT, pitch))
     front = tip + along[..., None] * step
-    front[..., 2] = tip[..., 2] + way[..., 4] * step[..., 2] + way[..., 1] * high
+    front[..., 2] = (
+        tip[..., 2] + np.where(step[..., 2] > 0.0, way[..., 4], way[..., 5]) * step[..., 2] + way[..., 1] * high
+    )
     if steps.path.swerves:
         front += quat.rotate(flat, LEFT) * (way[..., 2] * steps.outward * sizes.lengths)[..., None]
     # While the toes are up it is the heel that stays.
@@ -174,6 +178,7 @@ def at(steps: Steps, times: Array) -> Feet:
     places = held - quat.rotate(turns, pivot)
     toes = np.where(standing, np.minimum(pitch, 0.0), pitch * eased(flight / TRAILING))
     floors, headings = floor + along * (next_floor - floor), heading + along * (next_heading - heading)
+    glides = eased((flight - TRAILS) / TURNS) * (1.0 - late)
     held = 1.0 - eased(np.minimum(flight, 1.0 - flight) / FREE)
     return Feet(
         places,
@@ -182,7 +187,7 @@ def at(steps: Steps, times: Array) -> Feet:
         pitch,
         toes,
         standing,
-        flight,
+        glides,
         held,
         _load(time, touch, lift, usual, standing),
         floors,
@@ -231,7 +236,7 @@ def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
     far = np.sqrt(np.maximum(longest**2 - near[..., 2] ** 2, (NARROW * longest) ** 2))
     near[..., :2] *= _held(quat.length(away[..., :2]), far, longest)[..., None]
     up = _held(quat.length(away), longest, longest)[..., None] * away
-    near = up + eased((feet.flight - TRAILS) / TURNS)[..., None] * (near - up)
+    near = up + feet.glides[..., None] * (near - up)
     return replace(feet, places=feet.places + free * (near - away))
 
 

@@ -30,6 +30,18 @@ STEEPEST = np.radians(32.0)
 """It leans no further [rad]."""
 GROUND_SMOOTH = 0.5
 """Over how much of its own size the ground is averaged."""
+POINTS = 48
+"""Where the ground is looked at within that. No two of them lie in one line across, so an edge is many small steps."""
+
+
+def _disc() -> Array:
+    """Return points spread evenly over a disc of radius 1, as seeds are in a sunflower, shape (point, 3)."""
+    number = np.arange(POINTS) + 0.5
+    far, angle = np.sqrt(number / POINTS), np.pi * (3.0 - np.sqrt(5.0)) * number
+    return np.stack([far * np.cos(angle), far * np.sin(angle), np.zeros(POINTS)], axis=-1)
+
+
+_DISC = _disc()
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,13 +98,12 @@ class Floating:
         """Return the height of the ground around places, softened, shape (frame,)."""
         if self.ground is None:
             return places[:, 2]
-        angles = np.linspace(0.0, 2.0 * np.pi, 8, endpoint=False)
-        ring = np.stack([np.cos(angles), np.sin(angles), np.zeros(8)], axis=-1) * GROUND_SMOOTH * self.size
-        around = places[:, None] + np.concatenate([np.zeros((1, 3)), 0.5 * ring[::2], ring])
+        around = places[:, None] + GROUND_SMOOTH * self.size * _DISC
         found = self.ground(around.reshape(-1, 3)).reshape(around.shape[:2])
         known = np.isfinite(found)
-        total = np.where(known, found, 0.0).sum(axis=1)
-        return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), places[:, 2])
+        count = np.where(known, 1.0 - (_DISC**2).sum(axis=-1), 0.0)
+        total = (count * np.where(known, found, 0.0)).sum(axis=1)
+        return np.where(known.any(axis=1), total / np.maximum(count.sum(axis=1), 1e-9), places[:, 2])
 
 
 def prepare(

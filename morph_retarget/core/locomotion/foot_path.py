@@ -14,11 +14,9 @@ from ..errors import MotionError
 from .moving import eased
 
 CLIMB = 0.55
-"""Share of a flight in which a foot gets up to a higher plant, or down to a lower one …"""
-WAITS = 0.3
-"""… and share for which it waits at most before it goes forward, or has got there before the end …"""
-STEEP = 0.12
-"""… which is so for steps of this height [leg lengths]."""
+"""Share of a flight in which a foot gets up to a higher plant, or down to a lower one."""
+WAITS = 0.25
+"""Share for which it waits at most before it goes forward, and for which it has got there before the end."""
 SAMPLES = 129
 """Of a path; between them it is straight."""
 
@@ -55,22 +53,24 @@ class FootPath:
         left = place.astype(np.intp)
         return self._rows.take(left, axis=0) + (place - left)[..., None] * self._steps.take(left, axis=0)
 
-    def over(self, flight: Array, rise: Array) -> Array:
-        """Return way, height, side, pitch and share of the climb at times of a flight to another height, (..., 5).
+    def over(self, flight: Array, early: Array, late: Array) -> Array:
+        """Return way, height, side, pitch, and share of a climb up and of one down, at times of a flight, (..., 6).
 
         A foot goes up before it goes forward, and down after it, to clear the edges of steps.
 
         Args:
             flight: 0 … 1, shape (...).
-            rise: How much higher the next plant is [leg lengths], shape (...).
+            early: How much it goes up first, 0 … 1, shape (...) or broadcast to it.
+            late: How much it goes down last, likewise.
         """
-        up = rise > 0.0
-        waits = WAITS * eased(np.abs(rise) / STEEP)
-        out = self.at(flight)
-        shifted = (flight - np.where(up, waits, 0.0)) / (1.0 - waits)
-        out[..., 0] = self.at(shifted)[..., 0]
-        climb = np.where(up, eased(flight / CLIMB), eased((flight - 1.0 + CLIMB) / CLIMB))
-        return np.concatenate([out, climb[..., None]], axis=-1)
+        out, most = self.at(flight), np.maximum(early, late)
+        if most.any():
+            waits = WAITS * early
+            out[..., 0] = self.at((flight - waits) / (1.0 - waits - WAITS * late))[..., 0]
+            steep = eased(np.minimum(flight, 1.0 - flight) / WAITS)
+            out[..., 1] += most * np.maximum(steep - out[..., 1], 0.0)
+        up, down = eased(flight / CLIMB), eased((flight - 1.0 + CLIMB) / CLIMB)
+        return np.concatenate([out, up[..., None], down[..., None]], axis=-1)
 
 
 def arc(highest: float = 0.45, soft: float = 0.35) -> FootPath:

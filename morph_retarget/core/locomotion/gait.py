@@ -204,7 +204,7 @@ def _rolls(
     off = share * _by_cycle(found, paces, own, lambda given, _: given.pattern.toe_off)
     strike = share * _by_cycle(found, paces, own, lambda given, _: given.pattern.heel_strike)
     lift = settings.step_height * _by_cycle(found, paces, own, lambda given, _: given.pattern.lift)
-    return Rolls(off, strike, np.maximum(lift * sizes.lengths[:, None], stood.rises))
+    return Rolls(off, strike, np.maximum(lift * sizes.lengths[:, None], stood.clearance.lift))
 
 
 def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants) -> Iterator[str]:

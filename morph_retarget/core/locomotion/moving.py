@@ -38,8 +38,8 @@ class Moving(Protocol):
     def floors(self, times: Array) -> Array:
         """Return how high the ground is that carries the body, ground frame [m], shape (frame,).
 
-        It is that under the middle of the body as its feet, or what lies on the ground, feel it: without the jumps that
-        the ground itself may have.
+        It is that under the middle of the body as its feet, or what lies on the ground, feel it, so it does not jump
+        where the ground does. What hovers feels the ground about it at many points: an edge is many small steps.
 
         Args:
             times: [s], shape (frame,).

@@ -129,7 +129,10 @@ def first_pace(
     """
     metres = speeds * np.sqrt(GRAVITY * group.height)
     far = 2.0 * reach.farthest(settings.crouch) / pattern.duty.max(axis=1)
-    most = np.minimum(far, _widest(drive, metres, width))
+    share = _aside(drive) / np.maximum(metres, 1e-9)
+    wide = reach.farthest_aside(settings.crouch) + 0.5 * width
+    wide = wide / (np.maximum(share, 1e-9) * 0.5 * (pattern.duty.max(axis=1) + SPREAD))
+    most = np.minimum(np.minimum(far, wide), _widest(drive, metres, width))
     wanted = metres / (settings.stride * pattern.stride * group.height)
     slowest = float(IDLE * np.sqrt(GRAVITY * group.height) / (idle.stride[0] * group.height))
     moving = speeds > STANDING
@@ -144,7 +147,6 @@ def first_pace(
     hurried = float((metres / far / np.maximum(wanted, 1e-9))[moving].max(initial=1.0))
     stride = metres / np.maximum(frequency, slowest)
     half = 0.5 * stride * pattern.duty.max(axis=1)
-    share = _aside(drive) / np.maximum(metres, 1e-9)
     wider = 0.5 * np.maximum(SPREAD * share * stride - width, 0.0)
     # In the middle of a step the body is as low already as its style has it.
     bobs = settings.body * group.length * np.sqrt((pattern.waves**2).sum(axis=(-1, -2)))

@@ -12,6 +12,8 @@ import numpy as np
 from .. import quat
 from ..arrays import Array, Flags
 from ..ground import Ground
+from . import clearing
+from .clearing import STEEP, Clearance
 from .contacts import Contacts
 from .course import Course
 from .foot_path import FootPath
@@ -31,16 +33,6 @@ WIDE = 0.2
 """Where the ground is looked at on both sides of a sole [sole lengths]."""
 SHIFTS = (0.35, -0.35, 0.7, -0.7, 1.05, -1.05)
 """Ways by which a foot is moved forward off an edge, the first that helps [sole lengths]."""
-CLEARANCE = 0.04
-"""Height over what lies between two plants that a foot keeps at least [leg lengths]."""
-FLAT = 0.005
-"""What stands over their way by less than this needs no clearance [leg lengths]."""
-PROBES: Array = np.linspace(0.06, 0.94, 12)
-"""Times of a flight at which the ground under the foot is looked at."""
-HIGHEST = 0.3
-"""Feet are never lifted higher than this over what lies between their plants [leg lengths]."""
-LEAST_ARC = 0.25
-"""A foot is not lifted for what stands so near to its plants that its arc is lower than this share of its height."""
 PASSES = 2
 """How often the tilt of a foot is found."""
 
@@ -59,8 +51,8 @@ class Plants:
     """Of the body, for which the foot was put there [rad], shape (leg, cycle)."""
     rolls: Array
     """How far the feet roll as the body goes forward over them, 0 … 1, shape (leg, cycle)."""
-    rises: Array
-    """How much higher than its arc a foot has to fly after each stance, over what lies in its way [m], (leg, cycle)."""
+    clearance: Clearance
+    """How feet clear what lies between this plant and the next."""
     over_nothing: int
     """Feet that were put where no ground is."""
 
@@ -105,13 +97,21 @@ def find(
     floors, bare = bodies[:, 2].reshape(shape), 0
     if ground is not None:
         places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, _seen(course, contacts))
-    rises = np.zeros(shape) if ground is None else _obstacles(ground, places, turned, sizes, path)
-    return Plants(places, turned, floors, headings.reshape(shape), rolls, rises, bare)
+    clear = Clearance.none(shape) if ground is None else clearing.find(ground, places, turned, sizes, path)
+    rolls = _forefoot(rolls, places, sizes)
+    return Plants(places, turned, floors, headings.reshape(shape), rolls, clear, bare)
 
 
 def _seen(course: Course, contacts: Contacts) -> Flags:
     """Return the plants on which feet stand during the course, shape (leg, cycle)."""
     return (contacts.touch <= course.times[-1]) & (contacts.lift >= course.times[0])
+
+
+def _forefoot(rolls: Array, places: Array, sizes: Sizes) -> Array:
+    """Return how far feet roll where steps are not climbed or gone down: there people land on the ball."""
+    rise = np.abs(np.diff(places[..., 2], axis=1, prepend=places[:, :1, 2], append=places[:, -1:, 2]))
+    steep = eased(np.maximum(rise[:, :-1], rise[:, 1:]) / (STEEP * sizes.lengths[:, None]))
+    return rolls * (1.0 - steep)
 
 
 def _spread(sizes: Sizes, strides: Array) -> Array:
@@ -181,20 +181,3 @@ def _settled(
         floors = np.maximum(floors, height - away[..., 2])
     own[..., 2] = floors
     return own, turns, found.mean(axis=-1)
-
-
-def _obstacles(ground: Ground, places: Array, turns: Array, sizes: Sizes, path: FootPath) -> Array:
-    """Return how high feet have to fly after each stance to clear the ground between plants [m], (leg, cycle)."""
-    out, lengths = np.zeros(places.shape[:2]), sizes.lengths[:, None]
-    for offset in (sizes.tips, sizes.heels):
-        here = places + quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
-        step = np.concatenate([here[:, 1:], here[:, -1:]], axis=1) - here
-        way = path.over(np.broadcast_to(PROBES, (*out.shape, len(PROBES))), (step[..., 2] / lengths)[..., None])
-        points = here[:, :, None] + way[..., :1] * step[:, :, None]
-        points[..., 2] = here[:, :, None, 2] + way[..., 4] * step[:, :, None, 2]
-        found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
-        over = np.where(np.isfinite(found), found - points[..., 2], -np.inf)
-        over = np.where(over > FLAT * lengths[..., None], over, -np.inf)
-        needed = (over + CLEARANCE * lengths[..., None]) / np.maximum(way[..., 1], LEAST_ARC)
-        out = np.maximum(out, needed.max(axis=-1))
-    return np.clip(out, 0.0, HIGHEST * lengths)

@@ -54,6 +54,12 @@ class Reach:
         far = np.sqrt(flat) - np.abs(self.away[:, 1]) + ROLLS * self.soles
         return float(np.maximum(far, FEWEST * self.lengths).min())
 
+    def farthest_aside(self, crouch: float) -> float:
+        """Return the same to both sides [m]."""
+        low = np.maximum(-self.away[:, 2] - (CROUCHES + crouch) * self.lengths, 0.0)
+        flat = np.maximum((LONGEST * self.lengths) ** 2 - low**2 - self.away[:, 1] ** 2, 0.0)
+        return float(np.maximum(np.sqrt(flat) - np.abs(self.away[:, 0]), FEWEST * self.lengths).min())
+
     def lowering(self, ahead: Array, aside: Array) -> Array:
         """Return how far the hips go down for strides [m].
 

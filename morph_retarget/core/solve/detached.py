@@ -31,7 +31,9 @@ def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tre
             # What hangs on a limb is carried by it, even by another one.
             is_free = bone not in stays and bones.isdisjoint(tree.ancestors[bone])
             if is_free and not out.is_below(bone, above):
+                # A paw that hangs on nothing but controls, as a wolf's, goes with all of them, which skins hold on to.
+                line = [bone, *tree.ancestors[bone]]
                 parents = out.parents.copy()
-                parents[bone] = above
+                parents[bone if stays & {*line} else line[-1]] = above
                 out = Tree(parents)
     return out
