@@ -37,6 +37,8 @@ NARROWEST = 0.08
 """Left and right feet count as apart at least so far [leg lengths]."""
 HURRIED = 1.02
 """Strides that have to be shortened by more than this factor are told of."""
+STRAIGHTENS = 0.7
+"""How much less the hips are lowered for long strides where the body is highest."""
 GOING = 0.1
 """Dimensionless speed from which on the body moves as the style wants it; one that stands is still."""
 LONGEST_STANCE = 1.5
@@ -273,8 +275,12 @@ def _ways(gait: Gait, times: Array) -> tuple[Ways, Array]:
     now = own.pattern.between(place)
     length = float(gait.steps.sizes.lengths.max())
     going = eased(np.interp(place, np.arange(len(own.times)), own.speeds) / GOING) * settings.body
-    bob = going * length * now.bob(np.interp(times, own.times, own.phase))
+    rise = now.bob(np.interp(times, own.times, own.phase))
+    wave = rise / np.maximum(np.sqrt((now.waves**2).sum(axis=(-1, -2))), 1e-9)
+    bob = going * length * rise
     low = np.interp(times, own.times, own.low)
+    # Between the steps, not over the legs that carry it.
+    low *= 1.0 - STRAIGHTENS * 0.5 * (1.0 + np.clip(wave, -1.0, 1.0))
     crouch = length * settings.crouch + np.maximum(length * now.crouch, low)
     sway, yaw = settings.body * now.sway, settings.body * now.yaw
     ways = Ways(bob, crouch, sway, yaw, going * now.roll, going * now.pitch, going * now.lean)

@@ -32,6 +32,10 @@ READY = 0.03
 """A body waits so much of a cycle before its first foot leaves the ground, so it can start at once."""
 ACROSS = 3.0
 """Longest stride to the side, as a share of how far the feet are apart."""
+TURNING = 0.02
+"""A body that turns by more than this in the time of `Drive.unit` does not stand [rad]."""
+MOST_TURN = 1.2
+"""Most that it turns in one cycle [rad]."""
 IDLE = 0.25
 """Dimensionless speed whose frequency the last steps before standing have."""
 
@@ -135,8 +139,9 @@ def first_pace(
     most = np.minimum(np.minimum(far, wide), _widest(drive, metres, width))
     wanted = metres / (settings.stride * pattern.stride * group.height)
     slowest = float(IDLE * np.sqrt(GRAVITY * group.height) / (idle.stride[0] * group.height))
-    moving = speeds > STANDING
-    frequency = np.where(moving, np.maximum(wanted, metres / most), 0.0)
+    turning = drive.smoothed(np.abs(drive.turning))
+    moving = (speeds > STANDING) | (turning * drive.unit > TURNING)
+    frequency = np.where(moving, np.maximum(np.maximum(wanted, metres / most), turning / MOST_TURN), 0.0)
     phase = np.concatenate([[0.0], np.cumsum(np.diff(drive.times) * 0.5 * (frequency[1:] + frequency[:-1]))])
     ready = idle.triggers[0, 0] + idle.duty[0, 0] - READY
     for start in np.flatnonzero(np.diff(moving.astype(np.intp), prepend=1) < 0).tolist():

@@ -19,7 +19,7 @@ from .course import Course
 from .foot_path import FootPath
 from .legs import FORWARD
 from .moving import LEFT, UP, eased
-from .reaching import SPREAD
+from .reaching import ROLLS, SPREAD
 from .sizes import Sizes
 from .spacing import apart
 
@@ -88,12 +88,14 @@ def find(
     velocity = course.velocity(flat)[0].reshape(*shape, 3)
     turned = quat.from_axis_angle(UP, headings).reshape(*shape, 4)
     sideways = np.abs((quat.rotate(turned, LEFT) * velocity).sum(axis=-1))
-    homes = _spread(sizes, sideways * cycle)
-    homes[..., 1] += sizes.centring[:, None] * eased(quat.length(velocity) * cycle / sizes.lengths[:, None])
-    places = quat.rotate(turned, homes) + bodies.reshape(*shape, 3)
-    places = apart(places, turned, contacts, sizes)
     forward = (quat.rotate(turned, FORWARD) * velocity).sum(axis=-1)
     rolls = np.clip(forward / np.maximum(quat.length(velocity), 1e-9), 0.0, 1.0)
+    homes = _spread(sizes, sideways * cycle)
+    # Rolling over its ball a foot stands for longer behind the hip than in front of it.
+    back = sizes.centring[:, None] + ROLLS * sizes.soles[:, None] * rolls
+    homes[..., 1] += back * eased(quat.length(velocity) * cycle / sizes.lengths[:, None])
+    places = quat.rotate(turned, homes) + bodies.reshape(*shape, 3)
+    places = apart(places, turned, contacts, sizes)
     floors, bare = bodies[:, 2].reshape(shape), 0
     if ground is not None:
         places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, _seen(course, contacts))

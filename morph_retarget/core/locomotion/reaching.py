@@ -8,9 +8,9 @@ import numpy as np
 from ..arrays import Array
 from .sizes import Sizes
 
-LONGEST = 0.975
+LONGEST = 0.985
 """A leg is never stretched further than this share of its length, lest the knee snaps."""
-EASY = 0.96
+EASY = 0.98
 """Hips are lowered for a stride until no leg is stretched further than this share of its length."""
 FEWEST = 0.08
 """A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
@@ -19,7 +19,9 @@ CROUCHES = 0.12
 SPREAD = 0.55
 """Left and right feet are put at least so far apart for a stride to the side, as a share of it: half would let a foot
 come right beside the other."""
-ROLLS = 0.5
+EASES = 0.8
+"""How much shorter the way of the ankle is than the body's while a foot stands, as it rolls, to one side [soles]."""
+ROLLS = 0.4
 """By what share of its sole a foot stands for longer than its ankle's way, as it rolls over heel and ball."""
 
 
@@ -67,7 +69,7 @@ class Reach:
             ahead: Half of the way that the body goes forward while a foot stands [m], shape (n,).
             aside: Half of that to the side, and how much wider the feet are put for it [m], shape (n,).
         """
-        far = np.maximum(ahead[:, None] - ROLLS * self.soles, 0.0) + np.abs(self.away[:, 1])
+        far = np.maximum(ahead[:, None] - EASES * self.soles, 0.0) + np.abs(self.away[:, 1])
         wide = aside[:, None] + np.abs(self.away[:, 0])
         deep = np.sqrt(np.maximum((EASY * self.lengths) ** 2 - far**2 - wide**2, 0.0))
         most = CROUCHES * self.lengths
