@@ -1,4 +1,4 @@
-"""Sample characters as plain data: a biped, a hound, a beetle, a bird, a snake, one with four arms and a lopsided one.
+"""Sample characters as plain data: a biped, a hound, a beetle, a spider, a bird, a snake, and two odd ones.
 
 Like the figures of `figure` they stand at the origin of Blender's world and look along -Y; parents come first. Every
 limb is bent the way it bends in life. Left halves are written down, right halves are their mirror images.
@@ -144,6 +144,55 @@ def beetle() -> list[Part]:
         *parts.both(parts.insect_leg(1, "Thorax.003", -0.08, -0.24)),
         *parts.both(parts.insect_leg(2, "Thorax.002", -0.01, 0.0)),
         *parts.both(parts.insect_leg(3, "Thorax.001", 0.06, 0.25)),
+    ]
+
+
+def spider() -> list[Part]:
+    """Return an eight-legged creature, 0.8 m wide on its legs, whose abdomen swings behind it."""
+    thorax = parts.line(
+        parts.counted("Thorax", 3),
+        [(0, 0.075, 0.12), (0, 0.02, 0.125), (0, -0.04, 0.128), (0, -0.095, 0.128)],
+        (0.05, 0.085, 0.095, 0.085),
+        "Root",
+        (1.1, 1.0, 0.75),
+    )
+    abdomen = parts.line(
+        parts.counted("Tail", 3),
+        [(0, 0.08, 0.125), (0, 0.14, 0.15), (0, 0.22, 0.165), (0, 0.31, 0.15)],
+        (0.035, 0.1, 0.125, 0.085),
+        "Thorax.001",
+        (1.0, 1.0, 0.9),
+        sides=12,
+    )
+    marks = tuple(
+        Lump((side * x, y, z), (0.5 * side * x, y + 0.03, z + 0.004), (0.022, 0.013), Paint.PALE, (1.0, 1.0, 0.5), 8)
+        for x, y, z in ((0.045, 0.16, 0.265), (0.04, 0.23, 0.277))
+        for side in (1, -1)
+    )
+    abdomen[1] = replace(abdomen[1], flesh=(*abdomen[1].flesh, *marks))
+    head = (
+        Lump((0, -0.11, 0.13), (0, -0.14, 0.132), (0.078, 0.068), squash=(1.05, 1.0, 0.85), sides=12),
+        parts.cavity((0, -0.175, 0.095), 0.03, reach=0.01),
+        *(
+            Lump((side * x, y, z), (side * x, y - 0.002, z + 0.001), (0.011, 0.011), Paint.DARK, sides=8)
+            for x, y, z in ((0.058, -0.165, 0.165), (0.03, -0.15, 0.188))
+            for side in (1, -1)
+        ),
+    )
+    legs = zip(range(1, 5), ("Thorax.003", "Thorax.002", "Thorax.002", "Thorax.001"), strict=True)
+    ways = ((38.0, 0.44), (72.0, 0.42), (106.0, 0.42), (142.0, 0.44))
+    return [
+        parts.root(0.12),
+        *thorax,
+        *abdomen,
+        Part("Head", "Thorax.003", (0, -0.095, 0.128), (0, -0.195, 0.12), head),
+        *parts.both(parts.fang()),
+        *parts.both(parts.eye((0.03, -0.188, 0.152), 0.024, "Head")),
+        *(
+            part
+            for (row, parent), way in zip(legs, ways, strict=True)
+            for part in parts.both(parts.spider_leg(row, parent, *way))
+        ),
     ]
 
 
@@ -298,6 +347,6 @@ def lopside() -> list[Part]:
 
 
 CREATURES: Mapping[str, Callable[[], list[Part]]] = {
-    make.__name__: make for make in (biped, hound, beetle, bird, snake, asura, lopside)
+    make.__name__: make for make in (biped, hound, beetle, spider, bird, snake, asura, lopside)
 }
 """All of them by name."""

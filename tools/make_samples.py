@@ -1,7 +1,8 @@
-"""Makes `sample_blends/`: a clip, characters and actions of our own, small enough to be committed.
+"""Makes `sample_blends/`: a clip, characters, actions and scenes of our own, small enough to be committed.
 
 Run it with the Python of an environment that has Blender: ``.venv/blender-4.5/bin/python -m tools.make_samples``. The
-oldest Blender that is supported writes the files, so that all others can read them.
+oldest Blender that is supported writes the files, so that all others can read them. Names of files after the command,
+such as ``stage.blend``, make these alone.
 """
 
 import os
@@ -17,7 +18,7 @@ import numpy as np
 from morph_retarget.blender import registration, rig
 from morph_retarget.blender.io.save import Outbox
 
-from . import acting, acts, armatures, bodies, creatures, gait, stage
+from . import acting, acts, armatures, bodies, creatures, gait, stage, walks
 from .bodies import Color
 from .figure import CHIBI, Bone, Build, blender, humanoid, spaced
 from .flesh import Paint
@@ -28,6 +29,7 @@ FRAMES = 181
 COLORS: dict[str, dict[Paint, Color]] = {
     "biped": {Paint.SKIN: (0.8, 0.48, 0.33), Paint.PALE: (0.1, 0.13, 0.22), Paint.CLOTH: (0.75, 0.32, 0.08)},
     "hound": {Paint.SKIN: (0.5, 0.28, 0.12), Paint.PALE: (0.8, 0.66, 0.48)},
+    "spider": {Paint.SKIN: (0.3, 0.16, 0.08), Paint.PALE: (0.78, 0.5, 0.16)},
     "beetle": {Paint.SKIN: (0.62, 0.07, 0.05), Paint.PALE: (0.6, 0.45, 0.22)},
     "bird": {Paint.SKIN: (0.12, 0.32, 0.7), Paint.PALE: (0.95, 0.48, 0.05)},
     "snake": {Paint.SKIN: (0.2, 0.42, 0.1), Paint.PALE: (0.62, 0.6, 0.16)},
@@ -37,8 +39,8 @@ COLORS: dict[str, dict[Paint, Color]] = {
 """What each creature is painted with."""
 
 
-def main() -> None:
-    """Write all samples."""
+def main(chosen: Sequence[str] = ()) -> None:
+    """Write all samples, or those that are chosen by the names of their files."""
     (SAMPLES / "characters").mkdir(parents=True, exist_ok=True)
     made: dict[str, Callable[[], Sequence[bpy.types.Object]]] = {
         "walk_and_wave.bvh": _clip,
@@ -48,6 +50,10 @@ def main() -> None:
     }
     for name in creatures.CREATURES:
         made[f"characters/{name}.blend"] = partial(_character, name)
+    for name in walks.WALKS:
+        made[f"{name}.blend"] = partial(_walk, name)
+    if chosen:
+        made = {path: made[path] for path in chosen}
     registration.register("morph_retarget")
     try:
         with Outbox() as outbox:
@@ -117,6 +123,13 @@ def _character(name: str) -> list[bpy.types.Object]:
     return [creature(name)]
 
 
+def _walk(name: str) -> list[bpy.types.Object]:
+    _empty(name.replace("_", " ").title())
+    ob = creature(walks.WALKS[name].creature)
+    walks.furnish(walks.WALKS[name], ob)
+    return [ob]
+
+
 def creature(name: str) -> bpy.types.Object:
     """Return a creature in its own colors, bones rolled at random."""
     parts = creatures.CREATURES[name]()
@@ -133,6 +146,6 @@ def _empty(name: str) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
     sys.stdout.flush()
     os._exit(0)  # Blender 4.5 as a module may block its end by a thread of its own

@@ -16,6 +16,8 @@ OPEN = "open"
 """The shape in which a mouth stands open."""
 CLOSED = "closed"
 """The shape in which hands are fists."""
+SPIDER_MIDDLE = -0.02
+"""Where the legs of a spider come together, along Y [m]."""
 
 # --- lines of bones ---
 
@@ -194,6 +196,28 @@ def insect_leg(row: int, parent: str, start: float, end: float) -> list[Part]:
     )
 
 
+def spider_leg(row: int, parent: str, aside: float, reach: float) -> list[Part]:
+    """Return a leg from its row on the body out to the ground, its knee high above both.
+
+    Args:
+        row: From the front, 1 … 4.
+        parent: What it hangs on.
+        aside: Which way it leads: 0 ahead, 90 to the left [deg].
+        reach: Of its tip, from the middle of the body [m].
+    """
+    angle, away = np.radians(aside), np.array([0.06, 0.1, 0.52 * reach, 0.83 * reach, 0.96 * reach, reach])
+    zs = (0.115, 0.125, 0.275, 0.185, 0.012, 0.008)
+    points = [(r * np.sin(angle), SPIDER_MIDDLE - r * np.cos(angle), z) for r, z in zip(away, zs, strict=True)]
+    leg = line(
+        [f"{joint}{row}.L" for joint in ("Coxa", "Femur", "Tibia", "Shank", "Tarsus")],
+        points,
+        (0.027, 0.026, 0.022, 0.017, 0.01, 0.008),
+        parent,
+        sides=8,
+    )
+    return [*leg[:2], *(painted(part, Paint.DARK) for part in leg[2:])]
+
+
 def claw() -> Part:
     """Return a bird's foot, which lies on four toes."""
     x, y, z = 0.06, 0.015, 0.012
@@ -259,6 +283,15 @@ def mandible() -> list[Part]:
         Lump((0.052, -0.265, 0.125), (0.014, -0.315, 0.12), (0.015, 0.006), Paint.PALE, sides=7),
     ), {OPEN: (0.0, 0.0, 0.5)})  # fmt: skip
     return [line]
+
+
+def fang() -> list[Part]:
+    """Return the left half of a spider's mouth: a stout piece that hangs down before the head, with a fang."""
+    chelicera = Part("Fang.L", "Head", (0.026, -0.165, 0.125), (0.03, -0.195, 0.045), (
+        Lump((0.026, -0.17, 0.115), (0.03, -0.19, 0.08), (0.03, 0.026), Paint.PALE, sides=8),
+        Lump((0.03, -0.195, 0.075), (0.018, -0.19, 0.035), (0.013, 0.004), Paint.DARK, sides=7),
+    ), {OPEN: (-0.35, 0.45, 0.0)})  # fmt: skip
+    return [chelicera]
 
 
 def eye(place: Point, radius: float, parent: str = "Head") -> list[Part]:

@@ -1,4 +1,4 @@
-"""Pictures of generalized actions on the sample characters.
+"""Pictures of generalized actions on the sample characters, and of those that go over the ground.
 
 ``python -m tools.pictures`` draws those of the documentation.
 """
@@ -6,30 +6,47 @@
 import os
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import bpy
 import numpy as np
 from PIL import Image
 
-from morph_retarget.blender import registration
+from morph_retarget.blender import registration, rig
 from morph_retarget.blender.io import load
 from morph_retarget.blender.io.load import Request
+from morph_retarget.blender.morph import cast
 from morph_retarget.blender.properties import of_rig
 
-from . import acting, acts, sheet, stage
+from . import acting, acts, footfalls, sheet, stage
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "sample_blends"
 IMAGES = ROOT / "docs" / "images"
-EVERYONE = ("biped", "asura", "lopside", "hound", "beetle", "bird", "snake", "sprout")
+EVERYONE = ("biped", "asura", "lopside", "hound", "beetle", "spider", "bird", "snake", "sprout")
 SHOWN = ("biped", "asura", "lopside", "hound", "beetle", "bird")
 """Who is seen in the documentation."""
+GOING: Mapping[str, tuple[tuple[float, float], Sequence[float]]] = {
+    "walk_biped": ((-62.0, 8.0), (56.0, 61.0, 66.0, 71.0, 76.0, 81.0)),
+    "gaits_hound": ((-80.0, 8.0), (5.0, 72.0, 148.0, 217.0, 263.0, 268.0)),
+    "hill_beetle": ((-60.0, 14.0), (30.0, 55.0, 80.0, 105.0, 130.0, 155.0)),
+    "stair_spider": ((-65.0, 14.0), (10.0, 40.0, 70.0, 100.0, 130.0, 160.0)),
+    "crawl_snake": ((-45.0, 30.0), (10.0, 40.0, 70.0, 100.0, 130.0, 160.0)),
+}
+"""From where sample scenes are seen [deg], and at which frames."""
+GAITS_SHOWN = "gaits_hound"
+"""The sample of which the footfalls are shown."""
 
 
 def main() -> None:
     """Draw all pictures of the documentation."""
+    draw_actions()
+    draw_locomotion()
+
+
+def draw_actions() -> None:
+    """Draw sample actions on sample characters."""
     spans = {"Hand to Mouth": (1.0, 12.0, 22.0, 34.0), "Pick Up": (16.0, 30.0, 46.0, 58.0)}
     with tempfile.TemporaryDirectory() as folder:
         halves = [
@@ -41,6 +58,36 @@ def main() -> None:
         for i, picture in enumerate(pictures):
             whole.paste(picture, (sum(p.width for p in pictures[:i]), 0))
         whole.quantize(192).save(IMAGES / "generalized.png", optimize=True)
+
+
+def draw_locomotion() -> None:
+    """Draw the sample scenes of locomotion, and when the feet of one of them stand."""
+    registration.register("morph_retarget")
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            parts: list[Image.Image] = []
+            for name, (view, frames) in GOING.items():
+                ob, row = opened(name), Path(folder, f"{name}.png")
+                if name == GAITS_SHOWN:
+                    footfalls.draw(IMAGES / "footfalls.png", footfalls.of(ob))
+                sheet.contact_sheet(row, [sheet.Row(name, ob, frames)], view, (160, 116))
+                parts.append(Image.open(row))
+            whole = Image.new("RGB", (parts[0].width, sum(part.height for part in parts)))
+            for i, part in enumerate(parts):
+                whole.paste(part, (0, sum(p.height for p in parts[:i])))
+            whole.quantize(128, Image.Quantize.MAXCOVERAGE, kmeans=4).save(IMAGES / "locomotion.png", optimize=True)
+    finally:
+        registration.unregister()
+
+
+def opened(name: str) -> bpy.types.Object:
+    """Open a sample scene and return who goes in it; its ground is drawn with it."""
+    bpy.ops.wm.open_mainfile(filepath=str(SAMPLES / f"{name}.blend"))
+    (ob,) = cast.performers(rig.scene_of())
+    for other in bpy.data.objects:
+        if other.type == "MESH" and other.parent is None:
+            other["floor"] = True
+    return ob
 
 
 def draw(

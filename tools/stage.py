@@ -13,6 +13,7 @@ from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.morph.context import select
 
 from . import acting, acts, flesh
+from .figure import Point
 from .flesh import Lump
 
 FIRST_ACT = "Eat Fruit"
@@ -26,6 +27,7 @@ PLACES: Mapping[str, tuple[float, float, float]] = {
     "Snake": (-1.9, -1.5, 30.0),
     "Hound": (-0.45, -1.0, 25.0),
     "Beetle": (0.8, -1.3, 10.0),
+    "Spider": (1.75, -1.6, -10.0),
     "Bird": (2.6, -0.7, -20.0),
 }
 """Place on the ground [m] and turn to the left [deg] of each character; the first two face each other."""
@@ -41,7 +43,7 @@ def furnish(characters: Mapping[str, bpy.types.Object]) -> None:
     for name, ob in characters.items():
         x, y, turn = PLACES[name]
         ob.location, ob.rotation_euler = (x, y, 0.0), (0.0, 0.0, float(np.radians(turn)))
-    _light_and_camera()
+    light_and_camera((0.1, -10.4, 3.2), (1.32, 0.0, 0.01))
     bpy.context.view_layer.update()
     fruits = {name: fruit(ob, f"Fruit of {name}") for name, ob in characters.items()}
     made = {act.name: acting.write(act) for act in acts.ACTS}
@@ -109,14 +111,19 @@ def _fruit_mesh(name: str, radius: float) -> bpy.types.Mesh:
     return data
 
 
-def _light_and_camera() -> None:
-    """Let the scene be rendered as it is."""
+def light_and_camera(place: Point, rotation: Point) -> None:
+    """Let the scene be rendered as it is.
+
+    Args:
+        place: Of the camera [m].
+        rotation: Of the camera, as Blender's Euler angles [rad].
+    """
     scene = rig.scene_of()
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
     sun.rotation_euler = (0.7, 0.2, 0.4)
     sun.data.energy = 3.0
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    camera.location, camera.rotation_euler = (0.1, -10.4, 3.2), (1.32, 0.0, 0.01)
+    camera.location, camera.rotation_euler = place, rotation
     for ob in (sun, camera):
         scene.collection.objects.link(ob)
     scene.camera = camera

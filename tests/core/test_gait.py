@@ -33,7 +33,7 @@ EARLY = 0.02
 QUICK = 25.0 * 24.0 / 0.84
 """No bone turns faster [deg a cycle]: that is 25 degrees in each of 24 frames a second, as often as a human steps."""
 NEARLY = 10.0
-"""The knee of a leg that carries the body is bent by no more than this beyond its rest where it is straightest [deg]."""
+"""The knee of a leg that carries the body bends no more than this beyond its rest where it is straightest [deg]."""
 SUDDEN = 200.0
 """Acceleration of feet [leg lengths a cycle, each cycle]: in flight they are up to five leg lengths a cycle fast."""
 NAMES = ("biped", "hound", "beetle", "bird", "three feet")
