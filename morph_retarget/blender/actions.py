@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.arrays import Array
 from .rig import pose_of
@@ -12,7 +13,9 @@ CurveMap = dict[tuple[str, int], bpy.types.FCurve]
 Owner = bpy.types.Object | bpy.types.Key
 """What plays an action."""
 
-_CONSTANT, _LINEAR = 0, 1
+_CONSTANT, _LINEAR, _BEZIER = 0, 1, 2
+_ALIGNED = 3
+"""Of handles."""
 
 
 def assigned(ob: Owner) -> tuple[bpy.types.Action | None, bpy.types.ActionSlot | None]:
@@ -157,6 +160,33 @@ class Writer:
             curve.keyframe_points.foreach_set("interpolation", linear)
             curve.update()
 
+    def draw(self, path: str, index: int, frames: Array, values: Array, slopes: Array, group: str) -> None:
+        """Key one component of a property with smooth curves in between, whose handles an animator can pull.
+
+        Args:
+            path: Data path of the property.
+            index: Place of the component.
+            frames: Of the keys, shape (key,).
+            values: There, shape (key,).
+            slopes: By how much the curve rises there in a frame, shape (key,).
+            group: Name of the channel group.
+        """
+        curve = self._bag.fcurves.new(path, index=index)
+        curve.group = self._group(group)
+        curve.keyframe_points.add(len(frames))
+        curve.keyframe_points.foreach_set("co", pairs(frames, values))
+        kinds = np.full(len(frames), _BEZIER, dtype=np.uint8)
+        curve.keyframe_points.foreach_set("interpolation", kinds)
+        # Handles a third of the way to the next key make it a cubic in time.
+        third = np.diff(frames) / 3.0
+        for name, away in (
+            ("left", -np.concatenate([third[:1], third])),
+            ("right", np.concatenate([third, third[-1:]])),
+        ):
+            curve.keyframe_points.foreach_set(f"handle_{name}_type", np.full(len(frames), _ALIGNED, dtype=np.uint8))
+            curve.keyframe_points.foreach_set(f"handle_{name}", pairs(frames + away, values + away * slopes))
+        curve.update()
+
     def copy(self, curve: bpy.types.FCurve) -> None:
         """Take over a curve as it is: keys, handles, modifiers; samples become keys."""
         own = self._bag.fcurves.new(curve.data_path, index=curve.array_index)
@@ -198,6 +228,11 @@ class Writer:
     def discard(self) -> None:
         """Remove the unfinished action."""
         bpy.data.actions.remove(self.action)
+
+
+def pairs(frames: Array, values: Array) -> NDArray[np.float32]:
+    """Return frames and values as Blender takes keys and handles, one after the other, shape (2 key,)."""
+    return np.stack([frames, values], axis=-1).astype(np.float32).ravel()
 
 
 def put_in_group(bag: bpy.types.ActionChannelbag, curve: bpy.types.FCurve, name: str) -> None:

@@ -6,7 +6,7 @@ import bpy
 
 from ..core.character.character import Character
 from ..core.errors import MotionError, RigError, listed
-from ..core.mocap.feet import Ground
+from ..core.ground import Ground
 from . import actions, retarget, rig, sampling, terrain
 from .contacts import Contact
 from .properties import of_rig, of_scene

@@ -14,8 +14,8 @@ from ..core.arrays import Array
 from ..core.character.analysis import Overrides, analyze
 from ..core.character.character import Character
 from ..core.errors import MotionError, RigError
+from ..core.ground import Ground
 from ..core.mocap import reference
-from ..core.mocap.feet import Ground
 from ..core.mocap.measure import measure
 from ..core.mocap.plan import Plan, ReferencePose, RetargetSettings, prepare
 from ..core.mocap.root_motion import RootMotion

@@ -15,19 +15,13 @@ HIGH = 3.0
 
 
 def ground_of(ob: bpy.types.Object, character: Character) -> Ground:
-    """Return the height of a mesh under points of a character's frame; 0 where there is nothing below.
+    """Return the height of a mesh under points of a character's frame.
 
     Raises:
         RigError: The object is no mesh.
     """
     corners, triangles = surface_of(ob, bpy.context.evaluated_depsgraph_get())
-    below = under(character.world_to_character.points(corners), triangles, HIGH * character.frame.height)
-
-    def height(points: Array) -> Array:
-        found = below(points)
-        return np.where(np.isnan(found), 0.0, found)
-
-    return height
+    return under(character.world_to_character.points(corners), triangles, HIGH * character.frame.height)
 
 
 def surface_of(ob: bpy.types.Object, graph: bpy.types.Depsgraph, matrix: Array | None = None) -> tuple[Array, Indices]:

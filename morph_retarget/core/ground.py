@@ -2,7 +2,21 @@
 
 from collections.abc import Callable
 
+import numpy as np
+
 from .arrays import Array
 
 Ground = Callable[[Array], Array]
-"""Height of the ground under points [m], shape (n, 3) to shape (n,), in the space of the points; NaN where there is none."""
+"""Height of the ground under points [m], shape (n, 3) to shape (n,), in their own space; NaN where there is none."""
+
+
+def heights_on(ground: Ground, points: Array, otherwise: Array | float) -> Array:
+    """Return how high the ground is under points [m], shape (..., 3) to (...).
+
+    Args:
+        ground: The ground.
+        points: [m], shape (..., 3).
+        otherwise: What counts where there is none [m], shape (...) or one for all.
+    """
+    found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
+    return np.where(np.isfinite(found), found, otherwise)

@@ -9,8 +9,8 @@ import numpy as np
 
 from . import quat
 from .arrays import Array, Flags, Indices
+from .ground import Ground
 from .mocap import feet, kinematics, planting, root_motion, transfer, twist
-from .mocap.feet import Ground
 from .mocap.links import NONE
 from .mocap.motion import Motion, SourceMotion
 from .mocap.plan import Plan
@@ -70,7 +70,7 @@ def evaluate(
         pose: The source over the clip, armature space.
         seconds_per_frame: Time between frames [s].
         standing: The user's own plants, shape (frame, foot); found from the motion when None.
-        ground: Terrain under the target, its character frame; flat when None.
+        ground: Terrain under the target, its character frame; flat when None, and where there is none.
     """
     source = SourceMotion.read(plan, pose, seconds_per_frame, standing)
     meant = transfer.target_turns(plan.transfer, source.turns)

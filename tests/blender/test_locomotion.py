@@ -367,6 +367,38 @@ def test_a_generalized_action_plays_on_top() -> None:
     assert _apart(_shown(ob, [1, 5, 11, 21, 60]), live) < NEAR
 
 
+def _carried(ob: bpy.types.Object, frames: Array) -> Array:
+    """Return where the ground under the body has moved to, character frame, shape (frame, 3)."""
+    layer = walks.over(cast.member(ob), bpy.context.scene, bpy.context.evaluated_depsgraph_get(), frames)
+    assert layer is not None
+    return layer.places
+
+
+@pytest.mark.parametrize(("kind", "near"), [("biped", 0.17), ("hound", 0.08), ("beetle", 0.08), ("snake", 1e-3)])
+def test_an_action_goes_up_a_hill_with_the_body(kind: str, near: float) -> None:
+    ob = _walker(kind, speed=1.0, ground=_plane(20.0, 0.0, 0.3))
+    places = _carried(ob, np.arange(31.0, 151.0, 0.5))
+    assert np.ptp(places[:, 2]) > 1.0
+    # What has feet rises with its steps, of which one of the biped climbs 0.17 m; the frame begins where the body does.
+    assert np.ptp(places[:, 2] + 0.3 * places[:, 1]) < near
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.3])
+def test_a_hand_stays_as_high_over_the_ground_as_its_action_says(slope: float) -> None:
+    ob = acts.creature("biped")
+    made = acting.action("Hands", [acting.LEFT_HAND])
+    acting.play(made, ob, keyed={"Left hand": {1: (0.0, -0.3, 0.3)}})
+    still = scenes.heads(ob, ["Hand.L"], [1])[0, 0, 2]
+    bpy.context.view_layer.objects.active = ob
+    ops.add_locomotion(character=ob.name)
+    _gait(ob).speed, _gait(ob).ground = 1.0, _plane(20.0, 0.0, slope)
+    frames = np.arange(31.0, 151.0, 7.0)
+    hand, places = scenes.heads(ob, ["Hand.L"], frames)[:, 0, 2], _carried(ob, frames)
+    assert hand == pytest.approx(places[:, 2] + still, abs=0.03), "its goal is in reach"
+    # The body rises with its steps: it is off the slope by what half of a step climbs.
+    assert hand == pytest.approx(still - slope * places[:, 1], abs=0.02 + 0.3 * slope)
+
+
 def test_a_hand_that_is_moved_on_the_way_is_meant_as_if_the_body_stood() -> None:
     ob = acts.creature("biped")
     made = acting.action("Hands", [acting.HANDS])

@@ -149,6 +149,20 @@ def test_feet_follow_the_terrain(walk: tuple[Character, Pose, gait.Walk], ground
     assert np.abs(np.diff(ankles[..., 2], axis=0)).max() < 0.1
 
 
+def test_where_there_is_no_terrain_feet_stand_on_the_floor(walk: tuple[Character, Pose, gait.Walk]) -> None:
+    source, pose, _ = walk
+    plan = prepare(source, _body(6))
+    flat = pipeline.evaluate(plan, pose, 1 / FPS, ground=lambda points: np.zeros(len(points)))
+    nowhere = pipeline.evaluate(plan, pose, 1 / FPS, ground=lambda points: np.full(len(points), np.nan))
+    assert (nowhere.basis == flat.basis).all()
+    assert (nowhere.shifts == flat.shifts).all()
+    # A hole under a part of the way is as deep as the floor, and leaves no hole in the motion.
+    holed = pipeline.evaluate(plan, pose, 1 / FPS, ground=lambda at: np.where(at[:, 0] > 0.0, 0.05, np.nan))
+    filled = pipeline.evaluate(plan, pose, 1 / FPS, ground=lambda at: np.where(at[:, 0] > 0.0, 0.05, 0.0))
+    assert np.isfinite(holed.basis).all()
+    assert (holed.basis == filled.basis).all()
+
+
 def test_hands_reach_the_sources_places(walk: tuple[Character, Pose, gait.Walk]) -> None:
     source, pose, _ = walk
     target = _body(7, proportions=Proportions(upper_arm=0.2, lower_arm=0.18))

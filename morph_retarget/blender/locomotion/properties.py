@@ -1,6 +1,7 @@
 """What armature objects keep of their locomotion: how fast and where they go, and in what manner they step."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from enum import StrEnum
 from math import pi
 from typing import Any
@@ -11,6 +12,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from ...core.locomotion.crawling import Movement
 from ...core.locomotion.settings import GaitSettings, Layers
 from ...core.locomotion.styles import STYLES
+from . import foot_path
 
 course_listeners: list[Callable[[bpy.types.ID], None]] = []
 """Called after a setting of where a character goes has changed."""
@@ -88,6 +90,11 @@ def is_curve(_: object, ob: bpy.types.Object) -> bool:
 def is_mesh(_: object, ob: bpy.types.Object) -> bool:
     """Return whether an object can be the ground."""
     return ob.type == "MESH"
+
+
+def is_empty(_: object, ob: bpy.types.Object) -> bool:
+    """Return whether an object can be a foot path."""
+    return ob.type == "EMPTY"
 
 
 class MORPHRETARGET_PG_gait_layer(bpy.types.PropertyGroup):
@@ -210,6 +217,15 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         max=1.0,
         subtype="FACTOR",
     )
+    foot_path: PointerProperty(
+        type=bpy.types.Object,
+        name="Foot Path",
+        description="Empty whose keys from frame 0 to 100 are the flight of a foot: Y location the share of its way, "
+        "Z its height as a share of the style's, X outward in leg lengths, X rotation the toes downward",
+        poll=is_empty,
+        override=_OVERRIDABLE,
+        update=tell_manner,
+    )
     movement: EnumProperty(
         name="Movement",
         description="What carries the character: its feet, or its body",
@@ -219,7 +235,16 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
     )
 
     def settings(self) -> GaitSettings:
-        """Return the manner of stepping as the core takes it: Blender keeps fewer digits, so that 0.98 is another."""
+        """Return the manner of stepping as the core takes it.
+
+        Raises:
+            MotionError: The foot path cannot be read.
+        """
+        plain = self.manner()
+        return plain if self.foot_path is None else replace(plain, path=foot_path.of(self.foot_path))
+
+    def manner(self) -> GaitSettings:
+        """Return the same without the foot path. Blender keeps fewer digits, so that 0.98 would be another."""
         groups: dict[int, Layers] = {}
         for item in self.layers:
             groups[item.group] = (*groups.get(item.group, ()), (item.style, round(item.weight, 6)))

@@ -9,11 +9,12 @@ from ...core import quat
 from ...core.arrays import Array
 from ...core.character.character import Character
 from ...core.layering import Layer
+from ...core.locomotion import getting_about
 from ...core.locomotion.course import Course
 from ...core.locomotion.crawling import Movement
 from ...core.locomotion.moving import UP, Moving
 from ...core.locomotion.settings import GaitSettings
-from . import going, standing
+from . import going
 from .going import Clock, Going
 from .properties import Source
 
@@ -43,13 +44,13 @@ class Walk:
             root: The body that carries all others.
             own: Where it goes.
             settings: In what manner.
-            movement: What carries it, as for `standing.prepare`.
+            movement: What carries it, as for `getting_about.prepare`.
 
         Raises:
             MorphError: It cannot go there.
         """
         course = own.course()
-        made = standing.prepare(character, root, course, settings, movement, own.ground(character.frame.height))
+        made = getting_about.prepare(character, root, course, settings, movement, own.ground(character.frame.height))
         if own.source is not Source.OWN:
             return cls(made, course, own.clock)
         return cls(made, course, own.clock, own.stands, going.matrix_of(character.local_to_character))
@@ -88,6 +89,7 @@ class Walk:
         """Return the layer of a gait that counts in full, ground frame."""
         times = self.clock.times(frames)
         places, headings = self.course.at(times)
+        places[:, 2] = self.gait.floors(times)
         return Layer(self.gait.evaluate(times), places, quat.from_axis_angle(UP, headings))
 
     def _placed(self, own: Layer, weight: Array | float, objects: Array | None) -> Layer:

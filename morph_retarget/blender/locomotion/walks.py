@@ -15,6 +15,7 @@ import numpy as np
 from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.layering import Layer
+from .. import actions
 from ..morph import cast, keys
 from ..morph.cast import Member
 from ..properties import of_rig
@@ -73,6 +74,8 @@ def watches(ob: bpy.types.Object, changed: Container[object]) -> bool:
     for other in (own.path, own.ground):
         if other is not None:
             found += [other, other.data]
+    if own.foot_path is not None:
+        found += [own.foot_path, actions.assigned(own.foot_path)[0]]
     above = ob.parent
     while above is not None:
         found += [above, above.animation_data.action if above.animation_data is not None else None]

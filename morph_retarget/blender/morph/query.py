@@ -55,13 +55,18 @@ def member_now(ob: bpy.types.Object) -> Member | None:
 
 
 def active_character(context: bpy.types.Context) -> bpy.types.Object | None:
-    """Return the armature that is meant: the active object's, else the first of the scene that plays an action."""
+    """Return the armature that is meant: the active object's, else the first of the scene that plays an action.
+
+    It is that of a stand-in as well, or of a foot path.
+    """
     ob = context.object
     if ob is not None:
         found = ob if ob.type == "ARMATURE" else of_rig(ob).stands_for or ob.find_armature()
         if found is not None:
             return found
-    return next(iter(cast.performers(context.scene)), None) if context.scene is not None else None
+    playing = cast.performers(context.scene) if context.scene is not None else []
+    flying = [other for other in playing if ob is not None and of_rig(other).gait.foot_path == ob]
+    return next(iter(flying or playing), None)
 
 
 def active_channel(action: bpy.types.Action | None) -> MORPHRETARGET_PG_channel | None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import Array
-from ..actions import CurveMap, copy_modifier, put_in_group
+from ..actions import CurveMap, copy_modifier, pairs, put_in_group
 from .joined import BEZIER, ELASTIC, FREE, LINEAR, MOST, NOTHING, OF_PIECE, SAME, Joined, Keys, union
 from .joining import join
 
@@ -239,7 +239,7 @@ def _fill(curve: bpy.types.FCurve, keys: Keys) -> None:
     if len(points) != len(keys.times):
         points.clear()
         points.add(len(keys.times))
-    points.foreach_set("co", _pairs(keys.times, keys.values))
+    points.foreach_set("co", pairs(keys.times, keys.values))
     for name, values in keys.settings.items():
         points.foreach_set(name, values)
     handles = {"handle_left": keys.left, "handle_right": keys.right}
@@ -262,7 +262,3 @@ def _off(points: bpy.types.FCurveKeyframePoints, name: str, wanted: Array, size:
     points.foreach_get(name, now)
     away = np.abs(now.reshape(-1, 2) - wanted)
     return (away[:, 0] > SAME) | (away[:, 1] > 1e-6 * max(size, 1e-3))
-
-
-def _pairs(times: Array, values: Array) -> NDArray[np.float32]:
-    return np.stack([times, values], axis=-1).astype(np.float32).ravel()

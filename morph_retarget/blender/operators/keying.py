@@ -7,7 +7,7 @@ from ...core.errors import MotionError, RigError
 from .. import collect
 from ..morph import cast, keys, query, specialized
 from ..properties import of_rig
-from .manners import Status, refuse, reporting, scene_in
+from .manners import Status, refuse, reporting, scene_in, show_alone
 
 
 def _plays(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
@@ -97,15 +97,7 @@ class MORPHRETARGET_OT_edit_specialized(_OfChannel, bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        empty = specialized.start(*self.meant(context))
-        layer = context.view_layer
-        assert layer is not None, "operators run in a window with a scene"
-        if context.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-        for other in context.selected_objects:
-            other.select_set(False)
-        empty.select_set(True)
-        layer.objects.active = empty
+        show_alone(context, specialized.start(*self.meant(context)))
         return {"FINISHED"}
 
 

@@ -5,12 +5,12 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ...core import play
 from ...core.errors import RigError, listed
-from ..locomotion import going, standing
+from ..locomotion import foot_path, going, standing
 from ..locomotion.properties import KEYED, STYLE_ITEMS, MORPHRETARGET_PG_gait
 from ..morph import cast, definitions, perform
 from ..properties import of_rig
 from .generalized import characters_meant, let_play, performer_meant
-from .manners import Status, armature_meant, armature_poll, refuse, reporting, scene_in
+from .manners import Status, armature_meant, armature_poll, refuse, reporting, scene_in, show_alone
 
 NAME = "Locomotion"
 """Of actions without channels, and of the group of curves."""
@@ -145,11 +145,72 @@ class MORPHRETARGET_OT_key_locomotion(bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        ob = performer_meant(context, self.character)
-        if not of_rig(ob).gait.enabled:
-            raise RigError(f"{ob.name!r} has no locomotion: add it first")
+        ob = _walker_meant(context, self.character)
         ob.keyframe_insert(going.curve_path(self.setting), frame=scene_in(context).frame_current_final, group=NAME)
         return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_new_foot_path(bpy.types.Operator):
+    bl_idname = "morph_retarget.new_foot_path"
+    bl_label = "New Foot Path"
+    bl_description = (
+        "Draw the flight of the feet as curves: make an empty that has them, select it, "
+        "and reshape its location and rotation in the Graph Editor"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return any_walker(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _walker_meant(context, self.character)
+        own = of_rig(ob).gait
+        if own.foot_path is not None:
+            raise RigError(f"{ob.name!r} has the foot path {own.foot_path.name!r}: reshape that, or remove it first")
+        if ob.library is not None:
+            raise RigError(f"{ob.name!r} is linked from {ob.library.filepath}: make a library override of it first")
+        own.foot_path = empty = foot_path.new(ob, scene_in(context))
+        show_alone(context, empty)
+        return {"FINISHED"}
+
+
+class MORPHRETARGET_OT_remove_foot_path(bpy.types.Operator):
+    bl_idname = "morph_retarget.remove_foot_path"
+    bl_label = "Remove Foot Path"
+    bl_description = "Let feet fly as their style wants; the empty with the curves goes too if nothing else uses it"
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return any_walker(cls, context)
+
+    @reporting
+    def execute(self, context: bpy.types.Context) -> Status:
+        ob = _walker_meant(context, self.character)
+        own = of_rig(ob).gait
+        if own.foot_path is None:
+            raise RigError(f"{ob.name!r} has no foot path: its feet fly as their style wants")
+        empty, own.foot_path = own.foot_path, None
+        foot_path.remove(empty)
+        return {"FINISHED"}
+
+
+def _walker_meant(context: bpy.types.Context, name: str) -> bpy.types.Object:
+    """Return the character that is meant, which has locomotion.
+
+    Raises:
+        RigError: There is none, or it has no locomotion.
+    """
+    ob = performer_meant(context, name)
+    if not of_rig(ob).gait.enabled:
+        raise RigError(f"{ob.name!r} has no locomotion: add it first")
+    return ob
 
 
 CLASSES = (
@@ -158,4 +219,6 @@ CLASSES = (
     MORPHRETARGET_OT_add_gait_style,
     MORPHRETARGET_OT_remove_gait_style,
     MORPHRETARGET_OT_key_locomotion,
+    MORPHRETARGET_OT_new_foot_path,
+    MORPHRETARGET_OT_remove_foot_path,
 )

@@ -97,6 +97,18 @@ def active_bone(ob: bpy.types.Object) -> str:
     return active.name
 
 
+def show_alone(context: bpy.types.Context, ob: bpy.types.Object) -> None:
+    """Select an object and no other, and make it the active one, so that the Graph Editor shows its curves."""
+    layer = context.view_layer
+    assert layer is not None, "operators run in a window with a scene"
+    if context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for other in context.selected_objects:
+        other.select_set(False)
+    ob.select_set(True)
+    layer.objects.active = ob
+
+
 def refuse(cls: type[bpy.types.Operator], reason: str) -> bool:
     """Say why an operator cannot run now, and return False for its ``poll``."""
     cls.poll_message_set(reason)

@@ -180,6 +180,17 @@ class MORPHRETARGET_PT_gait_details(InTab, bpy.types.Panel):
         for name in DETAILS:
             column.prop(of_rig(ob).gait, name)
         column.prop(of_rig(ob).gait, "movement")
+        _draw_foot_path(column.row(align=True), ob)
+
+
+def _draw_foot_path(row: bpy.types.UILayout, ob: bpy.types.Object) -> None:
+    """Draw the flight of the feet, with a button that makes its curves, or one that removes them."""
+    own = of_rig(ob).gait
+    row.prop(own, "foot_path")
+    if own.foot_path is None:
+        row.operator("morph_retarget.new_foot_path", text="", icon="ADD").character = ob.name
+    else:
+        row.operator("morph_retarget.remove_foot_path", text="", icon="X").character = ob.name
 
 
 CLASSES = (

@@ -22,8 +22,8 @@ HIGHEST = 0.3
 """Feet are never lifted higher than this over what lies between their plants [leg lengths]."""
 LEAST_ARC = 0.25
 """A foot is not lifted for what stands so near to its plants that its arc is lower than this share of its height."""
-STEEP = 0.12
-"""A foot goes up before it goes forward for what is higher than this [leg lengths]."""
+STEEP = 0.08
+"""A foot goes up before it goes forward for what stands this high over the straight way [leg lengths]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +59,10 @@ def find(ground: Ground, places: Array, turns: Array, sizes: Sizes, path: FootPa
     for offset in (sizes.tips, sizes.heels):
         here = places + quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
         step = np.concatenate([here[:, 1:], here[:, -1:]], axis=1) - here
-        peak = _heights(ground, here[:, :, None] + PROBES[:, None] * step[:, :, None]).max(axis=-1)
-        early = np.maximum(early, eased((peak - here[..., 2]) / (STEEP * length)))
-        late = np.maximum(late, eased((peak - here[..., 2] - step[..., 2]) / (STEEP * length)))
+        straight = here[:, :, None] + PROBES[:, None] * step[:, :, None]
+        over = eased((_heights(ground, straight) - straight[..., 2]) / (STEEP * length[..., None]))
+        early = np.maximum(early, over[..., : len(PROBES) // 2].max(axis=-1))
+        late = np.maximum(late, over[..., len(PROBES) // 2 :].max(axis=-1))
         ways.append((here, step))
     flight = np.broadcast_to(PROBES, (*lift.shape, len(PROBES)))
     way = path.over(flight, early[..., None], late[..., None])

@@ -70,6 +70,7 @@ class FootPath:
             steep = eased(np.minimum(flight, 1.0 - flight) / WAITS)
             out[..., 1] += most * np.maximum(steep - out[..., 1], 0.0)
         up, down = eased(flight / CLIMB), eased((flight - 1.0 + CLIMB) / CLIMB)
+        up, down = out[..., 0] + early * (up - out[..., 0]), out[..., 0] + late * (down - out[..., 0])
         return np.concatenate([out, up[..., None], down[..., None]], axis=-1)
 
 

@@ -13,7 +13,7 @@ from .. import quat
 from ..arrays import Array, Flags
 from ..ground import Ground
 from . import clearing
-from .clearing import STEEP, Clearance
+from .clearing import Clearance
 from .contacts import Contacts
 from .course import Course
 from .foot_path import FootPath
@@ -100,7 +100,7 @@ def find(
     if ground is not None:
         places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, _seen(course, contacts))
     clear = Clearance.none(shape) if ground is None else clearing.find(ground, places, turned, sizes, path)
-    rolls = _forefoot(rolls, places, sizes)
+    rolls = rolls * (1.0 - _stepping(clear))
     return Plants(places, turned, floors, headings.reshape(shape), rolls, clear, bare)
 
 
@@ -109,11 +109,10 @@ def _seen(course: Course, contacts: Contacts) -> Flags:
     return (contacts.touch <= course.times[-1]) & (contacts.lift >= course.times[0])
 
 
-def _forefoot(rolls: Array, places: Array, sizes: Sizes) -> Array:
-    """Return how far feet roll where steps are not climbed or gone down: there people land on the ball."""
-    rise = np.abs(np.diff(places[..., 2], axis=1, prepend=places[:, :1, 2], append=places[:, -1:, 2]))
-    steep = eased(np.maximum(rise[:, :-1], rise[:, 1:]) / (STEEP * sizes.lengths[:, None]))
-    return rolls * (1.0 - steep)
+def _stepping(clear: Clearance) -> Array:
+    """Return how much feet step up or down onto plants or off them: there they land on the ball, (leg, cycle)."""
+    most = np.maximum(clear.early, clear.late)
+    return np.maximum(most, np.concatenate([most[:, :1], most[:, :-1]], axis=1))
 
 
 def _spread(sizes: Sizes, strides: Array) -> Array:

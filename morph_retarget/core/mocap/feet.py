@@ -7,7 +7,7 @@ hips and boots with high soles need no exceptions, and a leg in the air keeps th
 only the ball of a foot stands it is the ball that keeps the source's path, not the ankle.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
@@ -15,12 +15,10 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array, Flags, Indices
+from ..ground import Ground, heights_on
 from . import contacts
 from .contacts import ContactSettings
 from .links import NONE, LimbLinks
-
-Ground = Callable[[Array], Array]
-"""Height of the terrain at points, character frame of the target [m]: shape (n, 3) to shape (n,)."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +128,7 @@ def plan_paths(
         scale: Target's leg length over the source's.
         leg_length: Of the source [m].
         settings: How feet are planted.
-        ground: Terrain; flat at z = 0 when None.
+        ground: Terrain, the target's character frame; flat at z = 0 when None, and where there is none.
     """
     paths: list[Array] = []
     heights: list[Array] = []
@@ -193,7 +191,7 @@ def _path(
         base = _mean(foot.path[inside], resting)
         offset = _mean(foot.transferred[inside], resting) - base
         level = abs(base[2] - foot.floor) < settings.level * leg_length
-        height = float(ground((base + offset)[None])[0]) if ground is not None else 0.0
+        height = float(heights_on(ground, base + offset, 0.0)) if ground is not None else 0.0
         offset[2] = foot.rest_height - (base[2] if level else foot.floor) + height
         mended = foot.path[inside] + offset + _mend(foot, roll, inside, leg_length, settings)
         lacking[inside], terrain[inside] = mended - foot.transferred[inside], height

@@ -7,8 +7,8 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array, Flags, Indices
+from ..ground import Ground
 from . import soles
-from .feet import Ground
 from .links import NONE, LimbLinks, Links
 from .motion import Motion, SourceMotion
 from .plan import Plan

@@ -3,9 +3,9 @@
 import numpy as np
 
 from ..arrays import Array
+from ..ground import Ground, heights_on
 from ..smoothing import upper_envelope
 from . import constraints, feet, kinematics, soles
-from .feet import Ground
 from .links import NONE, LimbLinks
 from .motion import Motion, SourceMotion
 from .plan import Plan
@@ -82,7 +82,7 @@ def _above_floor(plan: Plan, motion: Motion, targets: Array, seconds_per_frame: 
                 points[:, part] += targets[:, f] - motion.points[:, leg.end]
     floor = np.full(targets.shape[:2], plan.target.floor)
     if ground is not None:
-        floor += ground(targets.reshape(-1, 3)).reshape(floor.shape)
+        floor += heights_on(ground, targets, 0.0)
     sunk = np.maximum(floor - soles.heights(soles.of_target(plan), motion.turns, points), 0.0)
     width = max(round(RISE_TIME / seconds_per_frame), 1)
     raised = targets.copy()
