@@ -9,8 +9,8 @@ from morph_retarget.core.arrays import Array
 from morph_retarget.core.ground import Ground
 from morph_retarget.core.locomotion import course
 from morph_retarget.core.locomotion.course import Course
-from morph_retarget.core.locomotion.legs import Legs
-from morph_retarget.core.locomotion.pace import GRAVITY
+from morph_retarget.core.locomotion.stepping.legs import Legs
+from morph_retarget.core.locomotion.stepping.pace import GRAVITY
 
 FAR = 14.0
 """Way of a course [hip heights]: a walk's eight cycles or more."""

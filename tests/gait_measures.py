@@ -9,12 +9,14 @@ from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array, Flags, Indices
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.layering import Layer
-from morph_retarget.core.locomotion import feet, gait, patterns, styles
 from morph_retarget.core.locomotion.course import Course
-from morph_retarget.core.locomotion.gait import Gait
-from morph_retarget.core.locomotion.legs import Leg
 from morph_retarget.core.locomotion.moving import UP
+from morph_retarget.core.locomotion.patterns import styles
+from morph_retarget.core.locomotion.patterns.pattern import pattern
 from morph_retarget.core.locomotion.settings import GaitSettings
+from morph_retarget.core.locomotion.stepping import feet, gait
+from morph_retarget.core.locomotion.stepping.gait import Gait
+from morph_retarget.core.locomotion.stepping.legs import Leg
 from morph_retarget.core.morph.bind import GeneralizedAction, bind
 from morph_retarget.core.morph.channels import Values
 from morph_retarget.core.play import Played
@@ -233,7 +235,7 @@ def wanted_steps(walked: Walked, group: int, settings: GaitSettings = DEFAULT) -
     made, own = walked.gait, walked.gait.paces[group]
     layers = styles.named(settings.of_group.get(group, settings.styles))
     speed = np.interp([walked.times[len(walked.times) // 2]], own.times, own.speeds)
-    wanted = patterns.pattern(layers, made.legs.sides(made.legs.groups[group]), speed)
+    wanted = pattern(layers, made.legs.sides(made.legs.groups[group]), speed)
     return Steps(wanted.duty[0], (wanted.triggers[0] - wanted.triggers[0, 0]) % 1.0)
 
 

@@ -11,7 +11,7 @@ from PIL import Image, ImageDraw
 from morph_retarget.blender import rig
 from morph_retarget.blender.locomotion import walks
 from morph_retarget.core.arrays import Array
-from morph_retarget.core.locomotion.gait import Gait
+from morph_retarget.core.locomotion.stepping.gait import Gait
 
 from .sheet import BACKGROUND
 

@@ -17,8 +17,8 @@ from morph_retarget.core.arrays import Flags
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.errors import FileError
-from morph_retarget.core.locomotion import gait, legs
 from morph_retarget.core.locomotion.settings import GaitSettings
+from morph_retarget.core.locomotion.stepping import gait, legs
 from morph_retarget.core.solve import posing
 from tests import gait_courses, gait_measures, goal_sets
 from tests.conftest import DATA, ROOT

@@ -20,9 +20,9 @@ from morph_retarget.core import quat, smoothing
 from morph_retarget.core.arrays import Array, Flags
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
-from morph_retarget.core.locomotion import legs
-from morph_retarget.core.locomotion.legs import Legs
-from morph_retarget.core.locomotion.pace import GRAVITY
+from morph_retarget.core.locomotion.stepping import legs
+from morph_retarget.core.locomotion.stepping.legs import Legs
+from morph_retarget.core.locomotion.stepping.pace import GRAVITY
 from tests import gait_courses, gait_measures
 from tests.gait_courses import Size, Trial
 from tests.goal_sets import Subject

@@ -15,8 +15,8 @@ from morph_retarget.blender.ui import locomotion_panel
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MotionError
 from morph_retarget.core.locomotion.foot_path import ARC
-from morph_retarget.core.locomotion.gait import Gait
 from morph_retarget.core.locomotion.settings import GaitSettings
+from morph_retarget.core.locomotion.stepping.gait import Gait
 from tests.blender import acting, acts, scenes, window
 from tests.blender.layouts import drawn
 

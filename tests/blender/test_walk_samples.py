@@ -15,7 +15,7 @@ from morph_retarget.blender.locomotion.walk import Walk
 from morph_retarget.blender.morph import cast, definitions
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array, Flags
-from morph_retarget.core.locomotion.gait import Gait
+from morph_retarget.core.locomotion.stepping.gait import Gait
 from tests.blender import acting, scenes, window
 from tools.pictures import SAMPLES
 from tools.walks import GAITS, SPEEDS, STEP, STEPS, WALKS

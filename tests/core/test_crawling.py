@@ -13,14 +13,15 @@ from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.errors import MotionError, RigError
 from morph_retarget.core.ground import Ground
-from morph_retarget.core.locomotion import course, crawling, line
+from morph_retarget.core.locomotion import course
 from morph_retarget.core.locomotion.course import Course
-from morph_retarget.core.locomotion.crawling import Movement
-from morph_retarget.core.locomotion.hopping import Hopping
-from morph_retarget.core.locomotion.inchworm import Inchworm
-from morph_retarget.core.locomotion.line import Line
+from morph_retarget.core.locomotion.footless import crawling, line
+from morph_retarget.core.locomotion.footless.crawling import Movement
+from morph_retarget.core.locomotion.footless.hopping import Hopping
+from morph_retarget.core.locomotion.footless.inchworm import Inchworm
+from morph_retarget.core.locomotion.footless.line import Line
+from morph_retarget.core.locomotion.footless.serpentine import Serpentine
 from morph_retarget.core.locomotion.moving import Moving
-from morph_retarget.core.locomotion.serpentine import Serpentine
 from morph_retarget.core.locomotion.settings import GaitSettings
 from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.solve import posing

@@ -11,10 +11,10 @@ from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.ground import Ground, heights_on
 from morph_retarget.core.locomotion import course, getting_about
-from morph_retarget.core.locomotion.crawling import Movement
-from morph_retarget.core.locomotion.gait import Gait
+from morph_retarget.core.locomotion.footless.crawling import Movement
 from morph_retarget.core.locomotion.moving import Moving
 from morph_retarget.core.locomotion.settings import GaitSettings
+from morph_retarget.core.locomotion.stepping.gait import Gait
 from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.play import root_of
 from tests import goal_sets

@@ -11,9 +11,9 @@ from _pytest.mark import ParameterSet
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.character.analysis import analyze
-from morph_retarget.core.locomotion import legs
+from morph_retarget.core.locomotion.patterns.styles import STYLES
 from morph_retarget.core.locomotion.settings import GaitSettings
-from morph_retarget.core.locomotion.styles import STYLES
+from morph_retarget.core.locomotion.stepping import legs
 from tests import gait_courses, gait_measures, goal_sets
 from tests.gait_courses import Size, Trial
 from tests.gait_measures import Walked

@@ -11,11 +11,12 @@ from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array, Indices
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.errors import MotionError, RigError
-from morph_retarget.core.locomotion import course, gait, legs
+from morph_retarget.core.locomotion import course
 from morph_retarget.core.locomotion.course import Course
-from morph_retarget.core.locomotion.gait import Gait
 from morph_retarget.core.locomotion.moving import UP
 from morph_retarget.core.locomotion.settings import GaitSettings
+from morph_retarget.core.locomotion.stepping import gait, legs
+from morph_retarget.core.locomotion.stepping.gait import Gait
 from morph_retarget.core.play import root_of
 from morph_retarget.core.solve.goals import Goals
 from tests import gait_courses, gait_measures, goal_sets

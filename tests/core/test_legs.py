@@ -13,8 +13,8 @@ from morph_retarget.core import quat
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.frame import Placement
-from morph_retarget.core.locomotion import legs
-from morph_retarget.core.locomotion.legs import LEAST_HEIGHT, NONE, Leg, Legs
+from morph_retarget.core.locomotion.stepping import legs
+from morph_retarget.core.locomotion.stepping.legs import LEAST_HEIGHT, NONE, Leg, Legs
 from tests.morph_bodies import real_characters
 from tests.skeletons import skeleton_of
 from tools.creatures import CREATURES

@@ -11,7 +11,7 @@ from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.frame import Placement
 from morph_retarget.core.character.morphology import Capability, LimbKind
-from morph_retarget.core.locomotion import legs
+from morph_retarget.core.locomotion.stepping import legs
 from tests.morph_bodies import real_characters
 from tests.skeletons import numbered, skeleton_of
 from tools.creatures import CREATURES

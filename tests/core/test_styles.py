@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from morph_retarget.core.arrays import Array, Flags
 from morph_retarget.core.errors import MotionError
-from morph_retarget.core.locomotion import manner, patterns, styles
-from morph_retarget.core.locomotion.manner import MOST_BEATS, Manner
-from morph_retarget.core.locomotion.patterns import Pattern, pattern
-from morph_retarget.core.locomotion.styles import STYLES, Style
+from morph_retarget.core.locomotion.patterns import manner, styles
+from morph_retarget.core.locomotion.patterns.manner import MOST_BEATS, Manner
+from morph_retarget.core.locomotion.patterns.pattern import Pattern, pattern, slots_of
+from morph_retarget.core.locomotion.patterns.styles import STYLES, Style
 
 few = settings(max_examples=40)
 SPEEDS = np.linspace(0.0, 4.0, 801)
@@ -353,12 +353,12 @@ def test_changes_do_what_they_are_called_for() -> None:
 @few
 @given(sides)
 def test_every_foot_takes_one_place_of_the_authored_order(sides: list[int]) -> None:
-    assert sorted(patterns.slots_of(sides)) == list(range(len(sides)))
+    assert sorted(slots_of(sides)) == list(range(len(sides)))
 
 
 @pytest.mark.parametrize("feet", COUNTS)
 def test_pairs_of_feet_are_in_the_authored_order(feet: int) -> None:
-    assert patterns.slots_of(_sides(feet)) == tuple(range(feet))
+    assert slots_of(_sides(feet)) == tuple(range(feet))
 
 
 @pytest.mark.parametrize(
@@ -373,7 +373,7 @@ def test_pairs_of_feet_are_in_the_authored_order(feet: int) -> None:
     ],
 )
 def test_feet_in_odd_places_take_those_that_are_left(sides: tuple[int, ...], slots: tuple[int, ...]) -> None:
-    assert patterns.slots_of(sides) == slots
+    assert slots_of(sides) == slots
 
 
 @few

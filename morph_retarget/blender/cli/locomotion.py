@@ -7,7 +7,7 @@ from math import radians
 import bpy
 
 from ...core.errors import MotionError, listed
-from ...core.locomotion.styles import STYLES
+from ...core.locomotion.patterns.styles import STYLES
 from ...core.morph.bind import GeneralizedAction
 from .. import rig
 from ..locomotion.properties import FASTEST, Source

@@ -9,9 +9,9 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
-from ...core.locomotion.crawling import Movement
+from ...core.locomotion.footless.crawling import Movement
+from ...core.locomotion.patterns.styles import STYLES
 from ...core.locomotion.settings import GaitSettings, Layers
-from ...core.locomotion.styles import STYLES
 from . import foot_path
 
 course_listeners: list[Callable[[bpy.types.ID], None]] = []

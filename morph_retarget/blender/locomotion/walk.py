@@ -11,7 +11,7 @@ from ...core.character.character import Character
 from ...core.layering import Layer
 from ...core.locomotion import getting_about
 from ...core.locomotion.course import Course
-from ...core.locomotion.crawling import Movement
+from ...core.locomotion.footless.crawling import Movement
 from ...core.locomotion.moving import UP, Moving
 from ...core.locomotion.settings import GaitSettings
 from . import going

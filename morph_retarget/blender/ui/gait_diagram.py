@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.arrays import Flags
-from ...core.locomotion.gait import Gait
+from ...core.locomotion.stepping.gait import Gait
 
 STANDS, FLIES = "█", "░"
 STANDS_NOW, FLIES_NOW = "▓", "▒"

@@ -8,8 +8,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...core.locomotion.gait import Gait
-from ...core.locomotion.styles import STYLES
+from ...core.locomotion.patterns.styles import STYLES
+from ...core.locomotion.stepping.gait import Gait
 from ..locomotion import walks
 from ..locomotion.properties import Source
 from ..morph import cast, query

@@ -2,11 +2,12 @@
 
 from ..character.character import Character
 from ..ground import Ground
-from . import crawling, gait
 from .course import Course
-from .crawling import Movement
+from .footless import crawling
+from .footless.crawling import Movement
 from .moving import Moving
 from .settings import GaitSettings
+from .stepping import gait
 
 
 def prepare(

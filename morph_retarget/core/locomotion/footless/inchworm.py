@@ -9,14 +9,14 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
-from ..ground import Ground
-from ..solve.goals import Goals
-from .course import Course
+from ... import quat
+from ...arrays import Array, Flags
+from ...ground import Ground
+from ...solve.goals import Goals
+from ..course import Course
+from ..moving import LEFT, UP, eased, goals_of, heading_of, rise_of, wanted_of
+from ..settings import GaitSettings
 from .line import Line
-from .moving import LEFT, UP, eased, goals_of, heading_of, rise_of, wanted_of
-from .settings import GaitSettings
 from .track import Track, told
 from .track import find as find_track
 

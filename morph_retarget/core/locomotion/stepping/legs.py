@@ -11,10 +11,10 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..character.character import Character
-from ..character.morphology import Limb
+from ... import quat
+from ...arrays import Array
+from ...character.character import Character
+from ...character.morphology import Limb
 
 FORWARD: Array = np.array([0.0, -1.0, 0.0])
 LEVEL: Array = np.array([1.0, 1.0, 0.0])

@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Indices
-from ..character.character import Character
-from .moving import heading_of, pointed, rise_of
+from ... import quat
+from ...arrays import Array, Indices
+from ...character.character import Character
+from ..moving import heading_of, pointed, rise_of
 
 ALIKE = 0.5
 """A bone without children ends where its tail is if it points the way the line comes, up to this cosine …"""

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from ..arrays import Array
+from ...arrays import Array
 from .sizes import Sizes
 
 LONGEST = 0.985

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..character.character import Character
+from ... import quat
+from ...arrays import Array
+from ...character.character import Character
+from ..moving import LEFT, eased
 from .legs import Leg
-from .moving import LEFT, eased
 from .trunk import Trunk
 
 OUTWARD = np.radians(9.0)

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
+from ... import quat
+from ...arrays import Array
+from ..moving import LEFT
 from .contacts import Contacts
-from .moving import LEFT
 from .sizes import Sizes
 
 NEAREST = 0.5

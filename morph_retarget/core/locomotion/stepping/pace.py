@@ -9,13 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import smoothing
-from ..arrays import Array, Flags
-from .course import Course
+from ... import smoothing
+from ...arrays import Array, Flags
+from ..course import Course
+from ..patterns.pattern import Pattern
+from ..settings import GaitSettings
 from .legs import LegGroup
-from .patterns import Pattern
 from .reaching import SPREAD, Reach
-from .settings import GaitSettings
 
 GRAVITY = 9.81
 """[m/s²]."""

@@ -8,13 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..ground import Ground
-from ..solve.goals import Goals
-from .course import Course
-from .moving import UP, goals_of, wanted_of
-from .settings import GaitSettings
+from ... import quat
+from ...arrays import Array
+from ...ground import Ground
+from ...solve.goals import Goals
+from ..course import Course
+from ..moving import UP, goals_of, wanted_of
+from ..settings import GaitSettings
 
 GRAVITY = 9.81
 """[m/s²]."""

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
-from ..ground import Ground
+from ... import quat
+from ...arrays import Array, Flags
+from ...ground import Ground
+from ..course import Course
+from ..foot_path import FootPath
+from ..moving import LEFT, UP, eased
 from . import clearing
 from .clearing import Clearance
 from .contacts import Contacts
-from .course import Course
-from .foot_path import FootPath
 from .legs import FORWARD
-from .moving import LEFT, UP, eased
 from .reaching import ROLLS, SPREAD
 from .sizes import Sizes
 from .spacing import apart

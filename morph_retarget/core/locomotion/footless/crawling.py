@@ -10,19 +10,19 @@ from enum import StrEnum
 
 import numpy as np
 
-from ..arrays import Array
-from ..character.character import Character
-from ..character.morphology import LimbKind
-from ..errors import MotionError, RigError
-from ..ground import Ground
+from ...arrays import Array
+from ...character.character import Character
+from ...character.morphology import LimbKind
+from ...errors import MotionError, RigError
+from ...ground import Ground
+from ..course import Course
+from ..settings import GaitSettings
 from . import floating, hopping, inchworm, line, serpentine
-from .course import Course
 from .floating import Floating
 from .hopping import Hopping
 from .inchworm import Inchworm
 from .line import Line
 from .serpentine import Serpentine
-from .settings import GaitSettings
 
 
 class Movement(StrEnum):

@@ -7,7 +7,7 @@ has no manners of its own: it alters those of whatever styles it is layered on.
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ..errors import MotionError, listed
+from ...errors import MotionError, listed
 from . import four_feet, many_feet, two_feet
 from .manner import MOST_FEET, Manner
 

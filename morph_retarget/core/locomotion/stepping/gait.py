@@ -13,23 +13,25 @@ from functools import reduce
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
-from ..character.character import Character
-from ..errors import RigError
-from ..ground import Ground
-from ..solve.goals import Goals
-from . import arms, contacts, feet, legs, pace, patterns, plants, styles, trunk
+from ... import quat
+from ...arrays import Array, Flags
+from ...character.character import Character
+from ...errors import RigError
+from ...ground import Ground
+from ...solve.goals import Goals
+from ..course import Course
+from ..moving import LEFT, carried_by, eased
+from ..patterns import styles
+from ..patterns.pattern import pattern
+from ..settings import GaitSettings
+from . import arms, contacts, feet, legs, pace, plants, trunk
 from .arms import Arm
 from .contacts import Contacts
-from .course import Course
 from .feet import Rolls, Steps
 from .legs import NONE, Legs
-from .moving import LEFT, carried_by, eased
 from .pace import IDLE, Drive, Pace
 from .plants import Plants
 from .reaching import LONGEST, Reach
-from .settings import GaitSettings
 from .sizes import Sizes
 from .trunk import Trunk, Ways
 
@@ -154,11 +156,11 @@ def _paces(drive: Drive, found: Legs, sizes: Sizes, settings: GaitSettings) -> t
     for i, group in enumerate(found.groups):
         layers = styles.named(settings.of_group.get(i, settings.styles))
         speeds = pace.own_speeds(drive, group, sizes.homes)
-        own = patterns.pattern(layers, found.sides(group), speeds)
+        own = pattern(layers, found.sides(group), speeds)
         if out:
             out.append(pace.other_pace(out[0], group, speeds, own))
         else:
-            idle = patterns.pattern(layers, found.sides(group), np.array([IDLE]))
+            idle = pattern(layers, found.sides(group), np.array([IDLE]))
             reach, width = Reach.of(sizes, list(group.legs)), _width(sizes, group.legs)
             out.append(pace.first_pace(drive, group, speeds, own, idle, settings, reach, width))
     return tuple(out)

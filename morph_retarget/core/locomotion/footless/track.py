@@ -15,11 +15,11 @@ from typing import cast
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..ground import Ground, heights_on
-from .course import Course
-from .moving import heading_of
+from ... import quat
+from ...arrays import Array
+from ...ground import Ground, heights_on
+from ..course import Course
+from ..moving import heading_of
 
 FINE = 64
 """Points of a track within the length over which its corners are smoothed."""

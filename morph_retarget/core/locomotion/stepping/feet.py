@@ -9,11 +9,11 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags, Indices
+from ... import quat
+from ...arrays import Array, Flags, Indices
+from ..foot_path import FootPath
+from ..moving import LEFT, UP, eased
 from .contacts import Contacts
-from .foot_path import FootPath
-from .moving import LEFT, UP, eased
 from .plants import Plants
 from .sizes import Sizes
 

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..ground import Ground
-from ..solve.goals import Goals
-from .course import Course
+from ... import quat
+from ...arrays import Array
+from ...ground import Ground
+from ...solve.goals import Goals
+from ..course import Course
+from ..moving import UP, goals_of, heading_of, rise_of, wanted_of
+from ..settings import GaitSettings
 from .line import Line
-from .moving import UP, goals_of, heading_of, rise_of, wanted_of
-from .settings import GaitSettings
 from .track import Track, on_ground, told
 from .track import find as find_track
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ..arrays import Array
+from ...arrays import Array
 from .manner import MOST_BEATS, Manner
 from .styles import STYLES, Change, Style
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Flags, Indices
+from ...arrays import Array, Flags, Indices
 from .pace import Pace
 
 SHORTEST = 0.12

@@ -5,13 +5,13 @@ from functools import cached_property
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
-from ..ground import Ground
-from ..solve.goals import Goals
-from .course import Course
-from .moving import LEFT, UP, eased, goals_of, wanted_of
-from .settings import GaitSettings
+from ... import quat
+from ...arrays import Array, Flags
+from ...ground import Ground
+from ...solve.goals import Goals
+from ..course import Course
+from ..moving import LEFT, UP, eased, goals_of, wanted_of
+from ..settings import GaitSettings
 from .track import on_ground
 
 STRIDE = 0.7

@@ -11,12 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Indices
-from ..character.character import Character
+from ... import quat
+from ...arrays import Array, Indices
+from ...character.character import Character
+from ..moving import UP
 from .feet import Feet
 from .legs import Leg
-from .moving import UP
 from .reaching import LONGEST
 from .sizes import Sizes
 

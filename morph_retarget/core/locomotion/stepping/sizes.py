@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
+from ... import quat
+from ...arrays import Array, Flags
 from .legs import Leg
 
 PAW, SOLE = 0.1, 0.2

@@ -5,11 +5,11 @@ from typing import Self
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array
-from ..ground import Ground
-from .foot_path import FootPath
-from .moving import eased
+from ... import quat
+from ...arrays import Array
+from ...ground import Ground
+from ..foot_path import FootPath
+from ..moving import eased
 from .sizes import Sizes
 
 CLEARANCE = 0.04
