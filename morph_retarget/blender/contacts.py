@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core import contacts
 from ..core.arrays import Flags
 from ..core.character.character import Character
+from ..core.contacts import Plant
 from ..core.errors import MotionError, listed
-from ..core.mocap import contacts
-from ..core.mocap.contacts import Plant
 from ..core.mocap.motion import SourceMotion
 from ..core.mocap.plan import Plan, prepare
 from .sampling import Clip

@@ -62,6 +62,7 @@ def evaluate(
     seconds_per_frame: float,
     standing: Flags | None = None,
     ground: Ground | None = None,
+    ankles: Array | None = None,
 ) -> Result:
     """Return a clip of the source as the target plays it.
 
@@ -71,8 +72,10 @@ def evaluate(
         seconds_per_frame: Time between frames [s].
         standing: The user's own plants, shape (frame, foot); found from the motion when None.
         ground: Terrain under the target, its character frame; flat when None, and where there is none.
+        ankles: Where the feet of the plan's legs are instead of where the pose has them, source's character frame [m],
+            shape (frame, foot, 3), NaN where the pose counts: blended by themselves (Feng 2013 §5.2).
     """
-    source = SourceMotion.read(plan, pose, seconds_per_frame, standing)
+    source = SourceMotion.read(plan, pose, seconds_per_frame, standing, ankles)
     meant = transfer.target_turns(plan.transfer, source.turns)
     turns = meant
     if plan.directions:

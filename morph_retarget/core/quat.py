@@ -194,7 +194,29 @@ def between(a: Array, b: Array) -> Array:
 def slerp(a: Array, b: Array, t: ArrayLike) -> Array:
     """Return the spherical interpolation from ``a`` (t = 0) to ``b`` (t = 1), the shorter way round."""
     t = np.asarray(t, dtype=np.float64)[..., None]
-    return multiply(a, from_rotation_vector(t * to_rotation_vector(multiply(conjugate(a), b))))
+    out = np.empty((*np.broadcast_shapes(a.shape[:-1], b.shape[:-1], t.shape[:-1]), 4))
+    if out.size <= 4 * BLOCK:
+        _slerp(a, b, t, out)
+        return out
+    step = max(BLOCK * len(out) * 4 // out.size, 1)
+    for start in range(0, len(out), step):
+        rows = slice(start, start + step)
+        _slerp(_rows(a, out, rows), _rows(b, out, rows), _rows(t, out, rows), out[rows])
+    return out
+
+
+def _slerp(a: Array, b: Array, t: Array, out: Array) -> None:
+    """Sum shares of both: a quarter of the time of a product with an exponential."""
+    sides = dot(a, b)
+    cosine = np.minimum(np.abs(sides), 1.0)
+    angle = np.arccos(cosine)
+    sine = np.sqrt((1.0 - cosine) * (1.0 + cosine))
+    part = t[..., 0] * angle
+    later = np.sin(part) / np.maximum(sine, 1e-12)
+    if angle.min(initial=1.0) <= 1e-7:  # a line
+        later = np.where(angle > 1e-7, later, t[..., 0])
+    np.einsum("...,...i->...i", np.cos(part) - cosine * later, a, out=out)
+    out += np.einsum("...,...i->...i", np.copysign(later, sides), b)
 
 
 def twist_about(q: Array, axis: Array) -> Array:

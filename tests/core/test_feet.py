@@ -5,12 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from morph_retarget.core import pipeline, quat
+from morph_retarget.core import contacts, pipeline, quat
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
-from morph_retarget.core.mocap import contacts
-from morph_retarget.core.mocap.contacts import ContactSettings, Plant
+from morph_retarget.core.contacts import ContactSettings, Plant
 from morph_retarget.core.mocap.measure import measure
 from morph_retarget.core.mocap.plan import Plan, RetargetSettings, prepare
 from morph_retarget.core.mocap.root_motion import RootMotion

@@ -86,6 +86,20 @@ def test_slerp_shares_the_angle(a: np.ndarray, b: np.ndarray, t: float) -> None:
     assert abs(quat.angle_between(part, b) - (1.0 - t) * whole) < 1e-6
 
 
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-8, 1e-7, 1e-5, 0.3, 3.0, np.pi - 1e-9])
+def test_slerp_is_the_exponential_of_a_share_at_any_angle_and_in_any_batch(angle: float) -> None:
+    rng = np.random.default_rng(4)
+    a = quat.normalize(rng.normal(size=(300, 70, 4)))
+    way = angle * quat.unit(rng.normal(size=(300, 70, 3)))
+    b = quat.multiply(a, quat.from_rotation_vector(way)) * rng.choice([-1.0, 1.0], size=(300, 70, 1))
+    share = rng.uniform(size=(300, 1))
+    out = quat.slerp(a, b, share)
+    assert np.abs(out - quat.multiply(a, quat.from_rotation_vector(share[..., None] * way))).max() < 1e-8
+    assert np.abs(np.linalg.norm(out, axis=-1) - 1.0).max() < 1e-12
+    assert np.array_equal(out[7:9], quat.slerp(a[7:9], b[7:9], share[7:9]))
+    assert _close(quat.slerp(a[:1], b, 0.25), quat.slerp(np.broadcast_to(a[:1], a.shape), b, 0.25), 1e-15)
+
+
 @given(_rotations(), _vectors)
 def test_twist_leaves_a_swing_square_to_the_axis(q: np.ndarray, axis: np.ndarray) -> None:
     axis = quat.unit(axis)

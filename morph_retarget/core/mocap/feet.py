@@ -13,11 +13,12 @@ from statistics import median
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags, Indices
+from .. import contacts, quat
+from ..arrays import Array, Flags
+from ..contacts import ContactSettings
 from ..ground import Ground, heights_on
-from . import contacts
-from .contacts import ContactSettings
+from ..runs import runs
+from ..smoothing import bridged
 from .links import NONE, LimbLinks
 
 
@@ -88,7 +89,7 @@ def _floor(points: Array, resting: Flags, low: float) -> Array:
     """Return the height of each point on the lowest floor: of its plants up to ``low`` above it, the middle one."""
     out = np.empty(points.shape[1])
     for foot in range(points.shape[1]):
-        heights = [median(points[a : b + 1, foot, 2].tolist()) for a, b in contacts.runs(resting[:, foot])]
+        heights = [median(points[a : b + 1, foot, 2].tolist()) for a, b in runs(resting[:, foot])]
         lowest = [h for h in heights if h < min(heights) + low]
         out[foot] = median(lowest) if lowest else float(points[:, foot, 2].min())
     return out
@@ -177,15 +178,15 @@ def _path(
         settings: How feet are planted.
         ground: Terrain.
     """
-    runs = contacts.runs(foot.ankle | foot.ball)
-    if not runs:
+    found = runs(foot.ankle | foot.ball)
+    if not found:
         lift = np.array(
             [0.0, 0.0, foot.rest_height - foot.floor + foot.path[:, 2].mean() - foot.transferred[:, 2].mean()]
         )
         return foot.transferred + lift, np.zeros(len(foot.path))
     # What the transferred ankle lacks: known while the foot stands, carried over in flight.
     lacking, terrain = np.zeros_like(foot.path), np.zeros((len(foot.path), 1))
-    for first, last in runs:
+    for first, last in found:
         inside = slice(first, last + 1)
         resting = foot.ankle[inside]
         base = _mean(foot.path[inside], resting)
@@ -195,16 +196,7 @@ def _path(
         offset[2] = foot.rest_height - (base[2] if level else foot.floor) + height
         mended = foot.path[inside] + offset + _mend(foot, roll, inside, leg_length, settings)
         lacking[inside], terrain[inside] = mended - foot.transferred[inside], height
-    return foot.transferred + _carried(lacking, runs), _carried(terrain, runs)[:, 0]
-
-
-def _carried(values: Array, runs: Sequence[tuple[int, int]]) -> Array:
-    """Return ``values`` with the gaps between runs bridged smoothly, shape (frame, n)."""
-    edges = [t for run in runs for t in run]
-    out = _smooth_steps(np.arange(len(values)), np.array(edges, dtype=np.float64), values[edges])
-    for first, last in runs:
-        out[first : last + 1] = values[first : last + 1]
-    return out
+    return foot.transferred + bridged(lacking, found), bridged(terrain, found)[:, 0]
 
 
 def _mend(foot: _Foot, roll: Array, inside: slice, leg_length: float, settings: FeetSettings) -> Array:
@@ -218,7 +210,7 @@ def _mend(foot: _Foot, roll: Array, inside: slice, leg_length: float, settings: 
     slide[:, 2] *= ankle & ball
     out = -_share(slide, ankle, leg_length, settings) * slide
     pivot = roll[inside] - _share(foot.ball_path[inside], ball, leg_length, settings) * foot.ball_path[inside]
-    for first, last in contacts.runs(ball & ~ankle):
+    for first, last in runs(ball & ~ankle):
         _roll_on(out, pivot, first, last)
     return out
 
@@ -255,15 +247,6 @@ def _roll_on(out: Array, pivot: Array, first: int, last: int) -> None:
 
 def _mean(values: Array, where: Flags) -> Array:
     return values[where].mean(axis=0) if where.any() else values.mean(axis=0)
-
-
-def _smooth_steps(frames: Indices, times: Array, values: Array) -> Array:
-    """Return ``values`` at ``times`` interpolated with level ends, constant outside, shape (frame, n)."""
-    place = np.clip(np.searchsorted(times, frames, side="right") - 1, 0, len(times) - 2)
-    span = np.maximum(times[place + 1] - times[place], 1e-9)
-    t = np.clip((frames - times[place]) / span, 0.0, 1.0)[:, None]
-    t = t * t * (3.0 - 2.0 * t)
-    return values[place] + t * (values[place + 1] - values[place])
 
 
 TILTED_REST = np.radians(10.0)

@@ -8,6 +8,7 @@ from ..arrays import Array, Flags
 from ..skeleton import Pose
 from . import feet, kinematics
 from .feet import Steps
+from .links import NONE
 from .plan import Plan
 
 
@@ -25,7 +26,14 @@ class SourceMotion:
     """Of the clip [s]."""
 
     @classmethod
-    def read(cls, plan: Plan, pose: Pose, seconds_per_frame: float, standing: Flags | None) -> "SourceMotion":
+    def read(
+        cls,
+        plan: Plan,
+        pose: Pose,
+        seconds_per_frame: float,
+        standing: Flags | None,
+        ankles: Array | None = None,
+    ) -> "SourceMotion":
         """Return the motion of a plan's source.
 
         Args:
@@ -33,9 +41,15 @@ class SourceMotion:
             pose: The source over the clip, armature space.
             seconds_per_frame: Of the clip [s].
             standing: The user's own plants, shape (frame, foot); found from the motion when None.
+            ankles: Where the feet are instead of where the pose has them, shape (frame, foot, 3), as in `pipeline`.
         """
         links, theirs = plan.links, plan.source.local_to_character
         points = kinematics.source_points(links, pose.positions, theirs)
+        if ankles is not None:
+            for leg, own in zip(links.legs, np.moveaxis(ankles, 1, 0), strict=True):
+                away = np.where(np.isfinite(own), own - points[:, leg.end], 0.0)
+                for part in (leg.end, *(() if leg.ball == NONE else (leg.ball,))):
+                    points[:, part] += away
         contacts = plan.settings.contacts
         return cls(
             turns=kinematics.source_turns(links, plan.source.skeleton, pose, theirs),

@@ -8,12 +8,12 @@ import numpy as np
 from .. import quat
 from ..arrays import Array
 from ..character.character import Character
+from ..contacts import ContactSettings
 from ..errors import RigError
 from ..skeleton import Pose
 from ..solve.jacobian_ik import JacobianSettings
 from ..tree import Tree
 from . import alignment, kinematics, transfer
-from .contacts import ContactSettings
 from .feet import FeetSettings
 from .links import NONE, Links, link
 from .root_motion import RootMotion

@@ -11,10 +11,7 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array
-from ..smoothing import between_ends
-
-TRAVEL_TIME = 0.5
-"""Slower changes than this count as travel [s]."""
+from ..travelling import slow_way
 
 
 class RootMotion(StrEnum):
@@ -45,9 +42,7 @@ def find_travel(hips: Array, facings: Array, seconds_per_frame: float) -> Travel
         seconds_per_frame: Of the clip [s].
     """
     forward = quat.rotate(facings, np.array([0.0, -1.0, 0.0]))
-    angles = np.unwrap(np.arctan2(forward[:, 0], -forward[:, 1]))
-    width = max(round(TRAVEL_TIME / seconds_per_frame), 1)
-    slow = between_ends(np.column_stack([hips[:, 0], hips[:, 1], angles]), width)
+    slow = slow_way(hips[:, :2], np.arctan2(forward[:, 0], -forward[:, 1]), seconds_per_frame)
     slow -= slow[0]
     points = np.column_stack([slow[:, :2], np.zeros(len(slow))])
     return Travel(quat.from_axis_angle(np.array([0.0, 0.0, 1.0]), slow[:, 2]), points)

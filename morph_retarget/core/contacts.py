@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Flags
+from . import quat
+from .arrays import Array, Flags
+from .runs import runs
 
 
 @dataclass(frozen=True)
@@ -60,10 +61,10 @@ def find_plants(points: Array, seconds_per_frame: float, leg_length: float, sett
     low = height < floor + settings.height
     starts = (low & (speed < settings.start_speed)) | (speed < settings.still_speed)
     holds = (low & (speed < settings.end_speed)) | (speed < 1.5 * settings.still_speed)
-    out = np.stack([_hysteresis(starts[:, f], holds[:, f]) for f in range(points.shape[1])], axis=-1)
+    out = np.stack([hysteresis(starts[:, f], holds[:, f]) for f in range(points.shape[1])], axis=-1)
     for foot in range(out.shape[1]):
-        _drop_short(out[:, foot], False, settings.shortest_flight / seconds_per_frame)
-        _drop_short(out[:, foot], True, settings.shortest / seconds_per_frame)
+        drop_short(out[:, foot], False, settings.shortest_flight / seconds_per_frame)
+        drop_short(out[:, foot], True, settings.shortest / seconds_per_frame)
     return out
 
 
@@ -98,7 +99,7 @@ def floor_height(height: Array, speed: Array, settings: ContactSettings) -> Arra
     return out
 
 
-def _hysteresis(starts: Flags, holds: Flags) -> Flags:
+def hysteresis(starts: Flags, holds: Flags) -> Flags:
     """Return the runs of ``holds`` that contain at least one start."""
     out = np.zeros_like(holds)
     for first, last in runs(holds):
@@ -106,17 +107,18 @@ def _hysteresis(starts: Flags, holds: Flags) -> Flags:
     return out
 
 
-def _drop_short(standing: Flags, kind: bool, frames: float) -> None:
+def drop_short(standing: Flags, kind: bool, frames: float) -> None:
+    """Turn over runs of one foot's flags that are shorter than ``frames``, in place.
+
+    Args:
+        standing: Shape (frame,).
+        kind: True drops short plants, False closes short flights; not those at the ends.
+        frames: The shortest that stays.
+    """
     for first, last in runs(standing == kind):
         inner = kind or (first > 0 and last < len(standing) - 1)
         if last - first + 1 < frames and inner:
             standing[first : last + 1] = not kind
-
-
-def runs(flags: Flags) -> list[tuple[int, int]]:
-    """Return the first and last frame of every run of true flags."""
-    edges = np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8))
-    return list(zip(np.flatnonzero(edges == 1).tolist(), (np.flatnonzero(edges == -1) - 1).tolist(), strict=True))
 
 
 def plants(standing: Flags) -> list[Plant]:
