@@ -17,7 +17,8 @@ from morph_retarget.core.locomotion import course
 from morph_retarget.core.locomotion.course import Course
 from morph_retarget.core.locomotion.footless import crawling, line
 from morph_retarget.core.locomotion.footless.crawling import Movement
-from morph_retarget.core.locomotion.footless.hopping import Hopping
+from morph_retarget.core.locomotion.footless.floating import Floating
+from morph_retarget.core.locomotion.footless.hopping import HEIGHT, Hopping
 from morph_retarget.core.locomotion.footless.inchworm import Inchworm
 from morph_retarget.core.locomotion.footless.line import Line
 from morph_retarget.core.locomotion.footless.serpentine import Serpentine
@@ -416,6 +417,20 @@ def test_a_body_without_a_spine_hops_and_says_so() -> None:
     assert moved[both].max() < 1e-9
     assert both.any()
     assert root[~standing, 2].max() > root[standing, 2].max() + 0.8 * moving.height
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0, 100.0])
+@pytest.mark.parametrize("movement", [Movement.INCHWORM, Movement.FLOAT])
+def test_what_has_one_body_that_can_do_anything_goes_as_its_size_lets_it(movement: Movement, size: float) -> None:
+    ends = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.6 * size], [0.0, 0.0, size]])
+    character = analyze(skeleton_of([Bone("Pot", None, ends[0], ends[1]), Bone("Lid", "Pot", ends[1], ends[2])]))
+    assert len(character.capabilities) < 2
+    moving = _prepared(character, _going(size), movement=movement)
+    if isinstance(moving, Hopping):
+        assert moving.height == pytest.approx(HEIGHT * size)
+    else:
+        assert isinstance(moving, Floating)
+        assert moving.size == pytest.approx(size)
 
 
 # --- floating ---
