@@ -188,6 +188,17 @@ class Plan:
         return out
 
     @cached_property
+    def riders(self) -> Mapping[int, int]:
+        """Bodies with turns of their own that hang on joints of limbs, as twist bones do, and on which."""
+        moved = {body for wave in self.waves for limb in wave.limbs for body in (*limb.joints, limb.body)}
+        joints = {joint for wave in self.waves for limb in wave.limbs for joint in limb.joints}
+        on: dict[int, int] = {}
+        for leader in self.order:
+            above = self.above[leader]
+            on[leader] = leader if leader in moved else on.get(above, NONE)
+        return {b: on[b] for b in self.order if b in self.turned and b not in moved and on[b] in joints}
+
+    @cached_property
     def anchors(self) -> Indices:
         """Leaders that are not placed by what carries them, by their places in `order`: the root, and roots above."""
         return np.flatnonzero([leader == self.root or self.above[leader] == NONE for leader in self.order])

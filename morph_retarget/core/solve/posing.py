@@ -15,7 +15,17 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array
-from . import branching, collision, constraints, detached, limb_phase, limit_phase, spine_phase, stretching
+from . import (
+    base_phase,
+    branching,
+    collision,
+    constraints,
+    detached,
+    limb_phase,
+    limit_phase,
+    spine_phase,
+    stretching,
+)
 from .collision import Obstacles
 from .constraints import TINY
 from .goals import Goals
@@ -170,26 +180,40 @@ def _reach(state: State, wave: Wave) -> None:
     carried = stacked([state.rotation(state.plan.above[start]) for start in starts], frames)
     places = stacked([state.place(start) for start in starts], frames)
     influence = goals.position_influence.take(wave.goals, axis=1)
-    along = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
-    along = _counted(wave, along, influence)
-    own, factors = _solved(wave, along, influence)
-    turned = np.matmul(carried[:, :, None], own)
+    whole = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
+    bases, along, factors = base_phase.of_wave(state, wave), whole, None
+    is_posed = base_phase.are_all(bases, wave)
+    if is_posed:
+        turned = np.broadcast_to(rotation.IDENTITY, (*whole.shape[:2], wave.chains.segments.shape[1], 3, 3))
+    else:
+        along = _counted(wave, whole, influence)
+        own, factors = _solved(wave, along, influence)
+        turned = np.matmul(carried[:, :, None], own)
+    if bases:
+        alone = turned if is_posed else _twisted(state, wave, turned)
+        turned, factors = base_phase.brought(bases, wave, carried, whole, influence, alone, factors)
     if wave.obstacles is not None:
         turned = _freed(state, wave, wave.obstacles, places, turned, factors)
-    turned = _twisted(state, wave, turned)
+    if not is_posed:
+        turned = base_phase.kept(bases, turned, _twisted(state, wave, turned))
     if wave.limited is not None:
         turned = limit_phase.hold(wave.limited, carried, turned, factors)
     for joint, limb, i in wave.joints:
         is_astray = wave.limited is not None and joint in state.plan.astray
         state.turn(joint, state.held(joint, turned[:, limb, i]) if is_astray else turned[:, limb, i])
+    for base in bases:
+        base_phase.take_along(state, base, turned[base.place])
     if wave.elastic is not None and factors is not None:
         for link in wave.elastic.links:
             segment = wave.chains.segments[link.limb, link.place]
             state.draw(link.joint, link.end, factors[:, link.limb, link.place], segment)
+    posed = {base.limb for base in bases}
     for i, body in enumerate(wave.ends):
         if body in state.plan.detached:
-            wanted = places[:, i] + rotation.apply(carried[:, i], along[:, i])
-            state.bring(body, wanted, detached.GAP * wave.chains.full[i])
+            # One that was posed goes from there, so what its limb leaves to it counts as far as its goal does.
+            way, most = (whole, influence[:, i]) if i in posed else (along, 1.0)
+            wanted = places[:, i] + rotation.apply(carried[:, i], way[:, i])
+            state.bring(body, wanted, most * detached.GAP * wave.chains.full[i])
 
 
 def _counted(wave: Wave, along: Array, influence: Array) -> Array:

@@ -58,10 +58,10 @@ class State:
         if goal is not None and self._is_whole:
             return self._wanted[:, goal]
         if body in plan.level:
-            carried = _toward(carried, _STILL, self.goals.position_influence[:, plan.level[body]])
+            carried = toward(carried, _STILL, self.goals.position_influence[:, plan.level[body]])
         if goal is None:
             return carried
-        return _toward(carried, self._wanted[:, goal], self.goals.rotation_influence[:, goal])
+        return toward(carried, self._wanted[:, goal], self.goals.rotation_influence[:, goal])
 
     def held(self, body: int, turned: Array) -> Array:
         """Return the rotation of a body within its limits."""
@@ -140,13 +140,13 @@ class State:
             longer = rotation.apply(own, longer)
         self._drawn[end] = longer
 
-    def bring(self, body: int, place: Array, most: float) -> None:
+    def bring(self, body: int, place: Array, most: Array | float) -> None:
         """Move the joint of a body toward a place, from where its limb has brought it.
 
         Args:
             body: The body.
             place: Where it shall be [m], shape (frame, 3).
-            most: How far it moves at most [m].
+            most: How far it moves at most [m], shape (frame,) or one for all.
         """
         plan, above = self.plan, self.plan.above[body]
         drawn = self._drawn.get(body, np.zeros((1, 3)))
@@ -173,7 +173,7 @@ def stacked(parts: Sequence[Array], frames: int) -> Array:
     return out
 
 
-def _toward(carried: Array, wanted: Array, share: Array) -> Array:
+def toward(carried: Array, wanted: Array, share: Array) -> Array:
     """Return rotations part of the way to others, shape (frame, 3, 3); those at an end are it to the bit."""
     part = share[:, None, None]
     ends = np.where(part == 0.0, carried, wanted)

@@ -19,7 +19,7 @@ from .plan import Limb, Wave
 from .settings import SolverSettings
 from .stretching import Elastic
 
-_HINTS = {
+HINTS = {
     LimbKind.LEG: np.array([0.0, -1.0, 0.2]),
     LimbKind.ARM: np.array([0.0, 1.0, -0.3]),
     LimbKind.WING: np.array([0.0, 1.0, 0.3]),
@@ -112,7 +112,7 @@ def _stem(allotment: Allotment, shared: Shared, settings: SolverSettings) -> Wav
 def _hint(hierarchy: Hierarchy, body: int) -> Array:
     """Return where the middle of a straight limb moves when it bends."""
     limb = hierarchy.limb_of(body)
-    return _HINT if limb is None else _HINTS[limb.kind]
+    return _HINT if limb is None else HINTS[limb.kind]
 
 
 def _side(hierarchy: Hierarchy, body: int) -> int:
