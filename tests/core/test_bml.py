@@ -35,11 +35,11 @@ def test_a_block_is_read_as_commands_at_the_times_that_its_behaviours_tell_each_
     found = bml.read(SOUND, "a.bml")
     assert not found.warnings
     assert [(str(c), c.time, c.origin) for c in found.commands] == [
-        ("start gaze target Ball influence head", 1.0, "a.bml, line 3"),
-        ("start nod amount 0.3 repeat 2.0", 1.9, "a.bml, line 4"),
+        ("start gaze target Ball level head", 1.0, "a.bml, line 3"),
+        ("start nod repeats 2.0 amplitude 8.4", 1.9, "a.bml, line 4"),
         ("start beat side left stroke 0.7", 2.3, "a.bml, line 5"),
         ("stop gaze", pytest.approx(3.6), "a.bml, line 3"),
-        ("start point to (0.5, -2.0, 1.0) side right", 3.8, "a.bml, line 6"),
+        ("start point place (0.5, -2.0, 1.0) side right", 3.8, "a.bml, line 6"),
         ("stop point", 5.4, "a.bml, line 6"),
         ("start go target Door manner walk", 6.0, "a.bml, line 7"),
     ]
@@ -77,6 +77,16 @@ def test_constraints_time_behaviours_too() -> None:
     assert _times(_block(*same, sync))["start beat stroke 0.7"] == pytest.approx(2.5 - 0.1 - 0.7)
     after = '<required><constraint><after ref="a:end"><sync ref="b:start"/></after></constraint></required>'
     assert _times(_block(*same, after))["start beat"] == pytest.approx(3.0)
+
+
+def test_faces_are_deforms_that_come_and_go_by_their_names() -> None:
+    found = bml.read(
+        _block('<faceFacs au="12" side="LEFT" amount="0.5" start="1" ready="1.25" relax="2" end="3"/>'), "a"
+    )
+    assert [(str(command), command.time) for command in found.commands] == [
+        ("start face key AU12_L amount 0.5 fade 0.25", 1.0),
+        ("stop face key AU12_L fade 1.0", 2.0),
+    ]
 
 
 @pytest.mark.parametrize(

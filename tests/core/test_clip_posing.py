@@ -5,7 +5,7 @@ import numpy as np
 from morph_retarget.core import quat
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.frame import Placement
-from morph_retarget.core.clips import posing
+from morph_retarget.core.clips import posing, spots
 from morph_retarget.core.clips.character_model import CharacterModel
 from morph_retarget.core.clips.travel import Travel
 from morph_retarget.core.morph.bodies import Bodies
@@ -43,12 +43,15 @@ def test_frames_seen_from_a_travel_and_carried_along_it_again_are_the_poses_that
     assert quat.angle_between(back.rotations, pose.rotations)[:, carried].max() < 1e-6
 
 
-def test_feet_of_frames_are_where_the_pose_has_them() -> None:
+def test_the_spot_of_a_standing_foot_stays_in_its_place_whatever_the_travel() -> None:
     model = _model()
-    pose, way = wild(model.character.skeleton, 7, RNG), _way(7)
-    frames = posing.frames_of(model, pose, way, np.ones((7, 4)))
-    places = model.character.local_to_character.points(pose.positions[:, model.feet])
-    assert np.abs(posing.foot_places(frames, way) - places).max() < 1e-9
+    pose, way, contacts = wild(model.character.skeleton, 12, RNG), _way(12), np.zeros((12, 4))
+    contacts[3:9, 1] = 1.0
+    frames = posing.frames_of(model, pose, way, contacts)
+    places = spots.in_world(frames.feet, way)
+    assert np.ptp(places[3:9, 1, :2], axis=0).max() < 1e-9
+    ankles = model.character.local_to_character.points(pose.positions[:, model.feet])
+    assert np.abs(places - ankles)[..., 2].max() < 1e-9
 
 
 def test_travel_there_and_back_is_none() -> None:

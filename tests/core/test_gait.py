@@ -44,7 +44,7 @@ STEADY = ("straight", "circle", "sideways")
 _LOPSIDED = "a body that lacks a leg on one side sways further than its legs are made for"
 _JERKS = "hips are lowered within a few hundredths of a cycle for strides to the side"
 _LAME = {("three feet", course): _LOPSIDED for course in STEADY}
-QUICKER = {**_LAME, ("hound", "sideways"): _JERKS}
+QUICKER = _LAME
 """Walks in which a bone turns too fast, and why."""
 JERKY = {**QUICKER, ("biped", "sideways"): _JERKS}
 """Walks in which a foot starts or stops with a jerk, and why."""

@@ -14,6 +14,7 @@ from ..arrays import Flags, Indices
 from ..character.character import Character
 from ..character.morphology import LimbKind
 from ..errors import MotionError, listed
+from ..solve import detached
 
 RATE = 30.0
 """Frames of a clip in a second; the paper samples its motions at as many (§7)."""
@@ -50,10 +51,12 @@ class CharacterModel:
 
     @cached_property
     def moving(self) -> Indices:
-        """Joints that have translations, the root first: what hangs on nothing that turns, shape (n,)."""
-        tree = self.character.skeleton.tree
-        above = {self.root, *tree.ancestors[self.root]}
-        return np.array([self.root, *(joint for joint in tree.roots if joint not in above)], dtype=np.intp)
+        """Joints that have translations, the root first: what hangs on nothing, or not on its limb, shape (n,)."""
+        own = self.character.skeleton
+        above = {self.root, *own.tree.ancestors[self.root]}
+        carried = detached.carried(self.character, self.root, frozenset())
+        loose = {*own.tree.roots, *np.flatnonzero(own.parents != carried.parents).tolist()} - above
+        return np.array([self.root, *sorted(loose)], dtype=np.intp)
 
     @cached_property
     def parts(self) -> Mapping[str, Flags]:

@@ -94,6 +94,9 @@ class ClipPrimitive(Clip):
             )
         if self.data.rotations.shape[1] != len(self.own_model):
             raise MotionError(f"clip {self.name!r} is made for another body: transfer it to this one first")
+        arrays = (self.data.rotations, self.data.translations, self.data.feet, self.way.places, self.way.headings)
+        if not all(np.isfinite(array).all() for array in arrays):
+            raise MotionError(f"clip {self.name!r} holds values that are no numbers: make it anew or mend its keys")
 
     @property
     def model(self) -> CharacterModel:

@@ -8,14 +8,16 @@ import numpy as np
 from .. import quat
 from ..arrays import Array, Flags, Indices
 from .character_model import CharacterModel
+from .spots import spots_of
+from .travel import Travel
 
 
 @dataclass(frozen=True, eq=False)
 class Frames:
     """Rotations and translations for all joints of a character model (Grünvogel 2003 §5.3), seen from its travel.
 
-    Beside the paper's two arrays the feet are kept: places that are blended by themselves keep standing feet on their
-    places where blended rotations would not (Feng 2013 §5.2).
+    Beside the paper's two arrays it is kept where feet stand: places that are blended by themselves keep standing feet
+    where they are, which blended rotations would not (Feng 2013 §5.2).
     """
 
     rotations: Array
@@ -24,7 +26,8 @@ class Frames:
     """Of `CharacterModel.moving`: from where their parents hold them, in their own rest frames, armature space,
     shape (n, moving, 3)."""
     feet: Array
-    """Places of the feet [m], character frame, shape (n, foot, 3)."""
+    """Spots on which the feet stand, at the heights of the feet themselves [m], character frame, shape (n, foot, 3).
+    In the world a spot stays the same while a foot rolls over its sole; in flight it goes with the foot."""
     contacts: Array
     """How far each foot stands, 0 … 1, shape (n, foot)."""
 
@@ -38,12 +41,13 @@ class Frames:
     def at_rest(cls, model: CharacterModel, count: int = 1) -> "Frames":
         """Return the rest pose, standing."""
         own = model.character
-        feet = own.local_to_character.points(own.skeleton.rest_positions[model.feet])
+        places = own.local_to_character.points(own.skeleton.rest_positions)[None]
+        feet = spots_of(model, places, Travel.still(), np.ones((1, len(model.feet))))
         return cls(
             quat.identity(count, len(model)),
             np.zeros((count, len(model.moving), 3)),
-            np.broadcast_to(feet, (count, *feet.shape)).copy(),
-            np.ones((count, len(feet))),
+            feet.repeat(count, axis=0),
+            np.ones((count, len(model.feet))),
         )
 
     def mixed(self, other: "Frames", share: Array) -> "Frames":

@@ -7,12 +7,13 @@ from ..arrays import Array
 from ..skeleton import Pose, pose_from_basis
 from .character_model import CharacterModel
 from .frames import Frames
+from .spots import spots_of
 from .travel import Travel
 
 UP: Array = np.array([0.0, 0.0, 1.0])
 
 
-def frames_of(model: CharacterModel, pose: Pose, travel: Travel, contacts: Array) -> Frames:
+def frames_of(model: CharacterModel, pose: Pose, travel: Travel, contacts: Array, cycle: bool = False) -> Frames:
     """Return poses as seen from a travel.
 
     What is above the root rests, so what moves the root goes over to it.
@@ -22,6 +23,7 @@ def frames_of(model: CharacterModel, pose: Pose, travel: Travel, contacts: Array
         pose: Armature space, shape (n, joint, ...).
         travel: Of each frame.
         contacts: How far each foot stands, shape (n, foot).
+        cycle: Whether the frame after the last is the first again.
     """
     skeleton, place = model.character.skeleton, model.character.local_to_character
     seen = moved(model, pose, travel.inverse())
@@ -40,7 +42,9 @@ def frames_of(model: CharacterModel, pose: Pose, travel: Travel, contacts: Array
     away[:, ~child[moving]] = seen.positions[:, moving[~child[moving]]]
     turned = np.broadcast_to(quat.conjugate(skeleton.local_rotations[moving]), (len(away), len(moving), 4))
     translations = quat.rotate(turned, away - skeleton.local_offsets[moving])
-    return Frames(rotations, translations, place.points(seen.positions[:, model.feet]), contacts)
+    return Frames(
+        rotations, translations, spots_of(model, place.points(pose.positions), travel, contacts, cycle), contacts
+    )
 
 
 def pose_of(model: CharacterModel, frames: Frames, travel: Travel | None = None) -> Pose:
@@ -61,10 +65,3 @@ def moved(model: CharacterModel, pose: Pose, travel: Travel) -> Pose:
     # The turn about the vertical as the armature sees it.
     local = quat.multiply(quat.multiply(back.turn, turns), place.turn)
     return Pose(quat.multiply(local[:, None], pose.rotations), back.points(points))
-
-
-def foot_places(frames: Frames, travel: Travel) -> Array:
-    """Return the places of feet where the travel leads [m], character frame, shape (n, foot, 3)."""
-    turns = quat.from_axis_angle(UP, travel.headings)
-    shifts = np.column_stack([travel.places, np.zeros(len(travel))])
-    return quat.rotate(turns[:, None], frames.feet) + shifts[:, None]

@@ -11,11 +11,13 @@ from .command import Command, Value, Verb
 _TIMES = {*POINTS, "strokeStart", "strokeEnd", "attackPeak", "peak", "duration", "id"}
 _MODES: Mapping[str, str] = {"LEFT_HAND": "left", "RIGHT_HAND": "right", "BOTH_HANDS": ""}
 _INFLUENCE: Mapping[str, str] = {
-    "EYES": "eyes", "HEAD": "head", "NECK": "head", "SHOULDER": "chest", "CHEST": "chest", "WAIST": "spine",
-    "BACK": "spine", "WHOLE": "spine",
+    "EYES": "eyes", "HEAD": "head", "NECK": "head", "SHOULDER": "chest", "CHEST": "chest", "WAIST": "waist",
+    "BACK": "waist", "WHOLE": "waist",
 }  # fmt: skip
 """How much of the body shares in a gaze, from the eyes downward."""
 _HEADS: Mapping[str, str] = {"NOD": "nod", "SHAKE": "shake", "TILT": "tilt"}
+MOST: Mapping[str, float] = {"nod": 28.0, "shake": 32.0, "tilt": 30.0}
+"""How far the head turns at an amount of 1 [deg]; the usual amount is a half."""
 _SPEECHLESS = "is not supported: it is left out"
 
 
@@ -65,18 +67,22 @@ def _target(element: Element) -> dict[str, Value]:
         place = tuple(float(number) for number in numbers)
     except ValueError:
         place = ()
-    return {"to": place} if len(place) in {2, 3} else {"target": target}
+    return {"place": place} if len(place) in {2, 3} else {"target": target}
 
 
 def _gaze(element: Element) -> dict[str, Value]:
     influence = _choice(element, "influence", _INFLUENCE)
-    return _target(element) | ({"influence": influence} if influence else {})
+    return _target(element) | ({"level": influence} if influence else {})
 
 
 def _head(element: Element) -> dict[str, Value]:
-    out: dict[str, Value] = {**_number(element, "amount")}
+    out: dict[str, Value] = {}
     repeats = [*_number(element, "repetition").values(), *_number(element, "repeats").values()]
-    return out | ({"repeat": repeats[0]} if repeats else {})
+    if repeats and _nodding(element) != "tilt":
+        out["repeats"] = repeats[0]
+    for amount in _number(element, "amount").values():
+        out["amplitude"] = MOST[_nodding(element)] * amount
+    return out
 
 
 def _lexeme(element: Element) -> str:
@@ -115,12 +121,23 @@ def _nothing(_: Element) -> dict[str, Value]:
     return {}
 
 
+def _face(element: Element) -> dict[str, Value]:
+    unit, side = element.get("au"), element.get("side").upper()
+    name = f"AU{unit}" if unit else element.get("lexeme") or element.get("type")
+    if not name:
+        raise MotionError(f"<{element.name}> has neither a lexeme nor an au: it is left out")
+    if side in {"LEFT", "RIGHT"}:
+        name += "_" + side[0]
+    return {"key": name, **_number(element, "amount")}
+
+
+_FACIAL = frozenset({"lexeme", "type", "au", "side", "amount"})
 _TARGETED = frozenset({"target", "mode"})
 _ENTRIES: Mapping[str, _Entry] = {
     "gaze": _Entry(frozenset({"target", "influence"}), _named, _gaze),
     "gazeShift": _Entry(frozenset({"target", "influence"}), lambda _: "gaze", _gaze, stays=True),
     "headDirectionShift": _Entry(
-        frozenset({"target"}), lambda _: "gaze", lambda one: _target(one) | {"influence": "head"}, stays=True
+        frozenset({"target"}), lambda _: "gaze", lambda one: _target(one) | {"level": "head"}, stays=True
     ),
     "head": _Entry(frozenset({"lexeme", "type", "repetition", "repeats", "amount"}), _nodding, _head, finite=True),
     "saccade": _Entry(frozenset({"mode"}), _named, _nothing),
@@ -131,6 +148,10 @@ _ENTRIES: Mapping[str, _Entry] = {
     "touch": _Entry(_TARGETED, _named, _held),
     "grasp": _Entry(_TARGETED, _named, _held),
     "locomotion": _Entry(frozenset({"target", "manner", "speed", "type"}), _going, _way),
+    "face": _Entry(_FACIAL, lambda _: "face", _face),
+    "faceLexeme": _Entry(_FACIAL, lambda _: "face", _face),
+    "faceFacs": _Entry(_FACIAL, lambda _: "face", _face),
+    "faceShift": _Entry(_FACIAL, lambda _: "face", _face, stays=True),
     "wait": _Entry(frozenset(), _named, _nothing, finite=True),
 }
 
@@ -154,12 +175,28 @@ def commands_of(timed: Timed, warnings: list[str]) -> list[Command]:
     if element.name == "wait":
         return []
     values = entry.parameters(element)
-    if entry.finite:
+    if element.name == "head":
+        values |= _tempo(timed, values)
+    elif entry.finite:
         values |= _timing(timed)
     start = Command(timed.at("start"), Verb.START, model, values, element.origin)
-    if entry.stays or entry.finite or (element.name == "locomotion" and element.get("target")):
+    ends = entry.finite and model != "tilt"
+    if entry.stays or ends or (element.name == "locomotion" and element.get("target")):
         return [start]
-    return [start, Command(timed.at("relax"), Verb.STOP, model, {}, element.origin)]
+    ended: dict[str, Value] = {}
+    if model == "face":
+        # Several show at once, so it is said which of them goes, and how long it takes.
+        values["fade"] = round(max(timed.at("ready") - timed.at("start"), 0.0), 6)
+        ended = {"key": values["key"], "fade": round(max(timed.end - timed.at("relax"), 0.0), 6)}
+    return [start, Command(timed.at("relax"), Verb.STOP, model, ended, element.origin)]
+
+
+def _tempo(timed: Timed, values: Mapping[str, Value]) -> dict[str, Value]:
+    """Return how fast a head moves that has to be done by a time, if the file tells one."""
+    repeats, lasts = values.get("repeats", 2.0), timed.end - timed.at("start")
+    if _nodding(timed.element) == "tilt" or "end" not in timed.told or not isinstance(repeats, float) or lasts <= 0.0:
+        return {}
+    return {"speed": round(max(repeats, 1.0) / lasts, 6)}
 
 
 def _timing(timed: Timed) -> dict[str, Value]:
