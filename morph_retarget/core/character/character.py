@@ -53,6 +53,17 @@ class Character:
         """The legs, front row first, left before right."""
         return sorted((m for m in self.limbs if m.kind is LimbKind.LEG), key=lambda m: (m.row, -m.side))
 
+    def carrier(self, root: int) -> int:
+        """Return the nearest body, from a root upward, that carries most of limbs, spine and neck.
+
+        Where a pelvis has the legs alone, this is what it hangs on, with the upper body.
+        """
+        ancestors = self.skeleton.tree.ancestors
+        tops = {*(limb.bones[0] for limb in self.limbs), *self.spine, *self.neck}
+        line = (root, *ancestors[root])
+        carried = [sum(top == own or own in ancestors[top] for top in tops) for own in line]
+        return line[carried.index(max(carried))]
+
     @property
     def world_to_character(self) -> Placement:
         """The way from world space to the character frame."""

@@ -15,6 +15,7 @@ from .. import quat
 from ..arrays import Array, Indices
 from ..character.character import Character
 from ..character.morphology import Capability, LimbKind
+from ..solve import detached
 from ..tree import Tree
 
 LEFT: Array = np.array([1.0, 0.0, 0.0])
@@ -58,6 +59,9 @@ class Bodies:
     """Least corner of the character's bounds [m], shape (3,)."""
     high: Array
     """Greatest corner, shape (3,)."""
+    carriers: Indices | None = None
+    """Body that carries each when it is posed, shape (body,): its parent, but for feet and hands that hang elsewhere
+    the end of their limb. None where it is the parent for all."""
 
     def __len__(self) -> int:
         return len(self.names)
@@ -75,12 +79,19 @@ class Bodies:
         low, high = points.min(axis=0), points.max(axis=0)
         size = float(np.linalg.norm(high - low))
         axes = _axes(heads, ahead, tags, _usual(character, heads, size), skeleton.tree, size)
-        return cls(skeleton.names, skeleton.parents, heads, axes, tags, low, high)
+        root = next(body for body, own in enumerate(tags) if Capability.ROOT in own)
+        carriers = detached.carried(character, root).parents
+        return cls(skeleton.names, skeleton.parents, heads, axes, tags, low, high, carriers)
 
     @cached_property
     def tree(self) -> Tree:
         """Who hangs on whom."""
         return Tree(self.parents)
+
+    @cached_property
+    def limb_tree(self) -> Tree:
+        """Who carries whom."""
+        return self.tree if self.carriers is None else Tree(self.carriers)
 
     @cached_property
     def size(self) -> float:
@@ -106,21 +117,30 @@ class Bodies:
 
     @cached_property
     def spine_segments(self) -> Indices:
-        """The nearest body of the spine, from each body upward (itself included), its root without one, (body,)."""
-        out = np.empty(len(self), dtype=np.intp)
+        """The nearest body of the spine, from each body upward (itself included), shape (body,).
+
+        Where legs hang beside the hips, on what carries these, it is the hips. Without any spine it is the body's root.
+        """
+        tree, out = self.limb_tree, np.empty(len(self), dtype=np.intp)
+        nearest_last = sorted(self.with_capability(Capability.SPINE), key=lambda b: -len(tree.ancestors[b]))
+        carried = {above: segment for segment in nearest_last for above in tree.ancestors[segment]}
         for body in range(len(self)):
-            line = [body, *self.tree.ancestors[body]]
-            out[body] = next((b for b in line if self.has(b, Capability.SPINE)), line[-1])
+            line = [body, *tree.ancestors[body]]
+            above = next((b for b in line if self.has(b, Capability.SPINE)), None)
+            beside = next((carried[b] for b in line if b in carried), line[-1])
+            out[body] = beside if above is None else above
         return out
 
     @cached_property
     def limb_lengths(self) -> Array:
         """Length of the path to the nearest spine segment [m], shape (body,); see `SHORTEST`. Hecker 2008 §3.2.2."""
-        out = np.zeros(len(self))
-        for body in self.tree.order:
-            parent = int(self.parents[body])
-            if body != self.spine_segments[body]:
-                out[body] = out[parent] + np.linalg.norm(self.positions[body] - self.positions[parent])
+        tree, out = self.limb_tree, np.zeros(len(self))
+        for body in tree.order:
+            parent, segment = int(tree.parents[body]), int(self.spine_segments[body])
+            if body == segment or tree.is_below(body, segment):
+                continue  # it carries the spine
+            start = segment if tree.is_below(parent, segment) else parent
+            out[body] = out[start] + np.linalg.norm(self.positions[body] - self.positions[start])
         return np.maximum(out, SHORTEST * self.size)
 
     def has(self, body: int, capability: Capability) -> bool:

@@ -45,6 +45,8 @@ LEVEL = 0.5
 """… and it goes up and down by less than this share of how far it goes over the ground."""
 FLAT = 0.8
 """A body without a line stands on the ground and hops if it is no taller than this share of its width."""
+PLACE = 1e-3
+"""Joints that are no further apart than this share of all joints are in one place."""
 TOUCHES = 0.15
 """It stands if its lowest joint is no higher than this share of its size."""
 
@@ -117,10 +119,16 @@ def _lies(found: Line) -> bool:
 
 
 def _points(character: Character) -> Array:
-    """Return the joints of all bodies that do something, ground frame, shape (n, 3)."""
-    skeleton = character.skeleton
+    """Return the joints of all bodies that do something, ground frame, shape (n, 3).
+
+    Where these are all in one place, the joints and ends of all bodies, since a place has no size.
+    """
+    skeleton, place = character.skeleton, character.local_to_character
     bones = [skeleton.index[name] for name in character.capabilities] or list(range(len(skeleton)))
-    return character.local_to_character.points(skeleton.rest_positions[bones])
+    heads, tails = place.points(skeleton.rest_positions), place.points(skeleton.rest_tails)
+    everything = np.concatenate([heads, tails])
+    own = heads[bones]
+    return own if np.ptp(own, axis=0).max() > PLACE * np.ptp(everything, axis=0).max() else everything
 
 
 def _left_behind(character: Character, root: int) -> Iterator[str]:

@@ -1,10 +1,16 @@
 """Manners of four feet: walk, trot, pace, canter, gallop and bound.
 
-Feet stand in the order left hind, right hind, left fore, right fore. Footfalls after Hildebrand 1965 ("Symmetrical
-gaits of horses") and 1977 ("Analysis of asymmetrical gaits"), duty factors after Biewener 1983 and Alexander 2003,
-strides after Alexander & Jayes 1983: about 2.3 u^0.6 hip heights, a little less in gallops. Dogs and horses change from
-the walk to the trot at u near 0.7 and gallop from u near 1.7. All phases are laid so that a faster gait grows out of
-the slower one with little change.
+Feet stand in the order left hind, right hind, left fore, right fore. In gaits whose left and right feet are half a
+cycle apart, the fore foot follows the hind foot of its side by 1/4 of the cycle in a walk of even beats, by 1/2 in a
+trot and by nothing in a pace; feet stand for more than half of the cycle in walks and for less in runs (Hildebrand
+1965).
+
+Strides are about 2.3 u^0.6 hip heights long (Alexander 1976), a little less in gallops: those of walks are below 2, of
+trots between 2 and 2.9, of faster gaits above that, as in the data behind it. Horses change from walk to trot where u²
+is about 0.35 (Griffin et al. 2004), others nearer to 1/2, and from trot to gallop where it is 2 to 3 (Alexander & Jayes
+1983): here the one change goes on from u = 0.5 to 0.85, the other from 1.6 to 2.5 with a canter in between. Duty
+factors between these marks are our choice, as is where in the cycle all phases begin: they are laid so that a faster
+gait grows out of the slower one with little change.
 """
 
 from .manner import Manner
@@ -12,9 +18,13 @@ from .manner import Manner
 _WALK = (0.0, 0.5, 0.25, 0.75)
 _TROT = (0.875, 0.375, 0.375, 0.875)
 _AMBLE = (0.0, 0.5, 0.15, 0.65)
+"""Between walk and pace: slow paces have four beats."""
 _PACE = (0.0, 0.5, 0.02, 0.52)
 _CANTER = (0.11, 0.39, 0.39, 0.64)
+"""The trailing hind foot, the leading one with the fore foot across from it, the leading fore foot."""
 _GALLOP = (0.11, 0.27, 0.53, 0.68)
+"""Left before right behind and in front: the transverse gallop of horses. Dogs and cheetahs at speed have the rotary
+one, left before right behind and right before left in front (Bertram & Gutmann 2009; Biancardi & Minetti 2012)."""
 _BOUND = (0.0, 0.0, 0.45, 0.45)
 
 _WALKS = (
@@ -105,7 +115,7 @@ BOUND = (
     Manner(4.0, 0.19, _BOUND, 4.9, lift=0.18, bob=0.05, bob_beats=1, bob_phase=0.82, pitch=0.24, crouch=0.08,
            swing=0.5, toe_off=0.4),
 )  # fmt: skip
-"""Both hind feet together, then both fore feet, as squirrels and hunting weasels go."""
+"""Both hind feet together, then both fore feet, as squirrels and weasels go."""
 
 RUN = (
     Manner(0.0, 0.52, _TROT, 0.6, lift=0.07, bob=0.008, bob_phase=0.385, sway=0.03, yaw=0.12, roll=0.03, crouch=0.02,

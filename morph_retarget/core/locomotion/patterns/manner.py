@@ -62,8 +62,9 @@ def wave(feet: int, lag: float) -> tuple[float, ...]:
     """Return the triggers of a metachronal wave: each foot steps ``lag`` cycles after the one behind it.
 
     Left and right are half a cycle apart. With a lag of 1 - duty a foot lands just when the next one leaves: these are
-    the wave gaits, the most stable ones of all (McGhee & Frank 1968; Song & Waldron 1989). For six feet duty 1/2 gives
-    the alternating tripod, 2/3 the tetrapod, 5/6 the slow wave (Wilson 1966); for four feet 3/4 gives the lateral walk.
+    the wave gaits, the most stable ones of all for going straight ahead (McGhee & Frank 1968 for four feet, Song &
+    Waldron 1989 for more). For six feet duty 1/2 gives the alternating tripod, 2/3 two feet in the air at a time, 5/6
+    one (Wilson 1966); for four feet 3/4 gives the walk of even beats.
     """
     pairs = feet // 2
     phases = [row * lag + side for row in range(pairs) for side in (0.0, 0.5)]
@@ -76,8 +77,10 @@ def lag(feet: int, duty: float) -> float:
     """Return by how much of a cycle a foot is behind the one behind it in a generated wave.
 
     Bodies of up to three rows go in wave gaits. In longer ones the lag is the same at all duty factors, since a change
-    of it would rush the front legs through many phases: eight feet come near to alternating fours, as spiders go, and
-    in long bodies several waves follow each other, as in centipedes and millipedes (Manton 1977).
+    of it would rush the front legs through many phases. Eight feet come near to alternating fours, as those of spiders
+    (Barth 2002), but on a side they step in the order 4, 1, 3, 2 from the rear, where most spiders' go 4, 2, 3, 1. In
+    long bodies several waves follow each other; they run forward, as in millipedes and some centipedes, while those of
+    others run back (Manton 1977). `WAVES` and the bounds are our choice.
     """
     rows = (feet + 1) // 2
     return 1.0 - duty if feet <= MOST_FEET else min(max(WAVES / rows, 1.0 / LEGS_TO_A_WAVE), LONGEST_LAG)

@@ -1,8 +1,11 @@
 """Manners of three, five and six feet, and of any number in metachronal waves.
 
-Insects: their duty factor falls from near 0.8 in a slow walk to 1/2 and less in a run, while the lag between neighbours
-grows until two tripods take turns (Wilson 1966; Hughes 1952; Full & Tu 1991). Odd numbers of feet have no model in
-nature but the kangaroo's walk on its tail; they step in turn when slow, and bound over the odd foot when fast.
+Insects: the faster they go the smaller their duty factor, down to 1/2 and less in running cockroaches (Ting, Blickhan &
+Full 1994), while the lag between neighbours grows, from waves through fours to two tripods that take turns, without a
+jump (Wilson 1966; Szczecinski et al. 2018); the fastest lift tripods before the others land (Full & Tu 1991). How long
+feet stand in the slowest walks, and strides, are our choice. Odd numbers of feet have no model in nature but the slow
+walk of kangaroos, whose tail is a fifth leg (O'Connor et al. 2014), and theirs is another; ours step in turn when slow,
+and bound over the odd foot when fast.
 """
 
 from collections.abc import Sequence
@@ -69,7 +72,10 @@ FIVE = (
 
 
 def crowd(feet: int) -> tuple[Manner, ...]:
-    """Return generated manners of seven or more feet: waves that run forward along both sides (Hecker 2008 §4.2)."""
+    """Return generated manners of seven or more feet: waves that run forward along both sides (Hecker 2008 §4.2).
+
+    Their speeds, duty factors and strides are our choice.
+    """
     return _rows(_CROWD, [wave(feet, lag(feet, duty)) for _, duty, *_ in _CROWD], bob=0.003, sway=0.0)
 
 

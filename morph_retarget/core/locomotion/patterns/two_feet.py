@@ -1,8 +1,11 @@
 """Manners of one and of two feet: standing and hopping, walking, running and skipping.
 
-Duty factors and strides of humans after Alexander 2003 (ch. 7) and Novacheck 1998 ("The biomechanics of running"):
-walks of 0.6 to 2 m/s have u = 0.2 to 0.7, runs of 2.7 to 9 m/s u = 0.9 to 3. A walking body is highest over the foot
-that carries it, a running one between its steps. Turns of the hips after Perry 1992 ("Gait Analysis").
+Humans and birds change from walk to run near u = 0.7, where u² is 1/2 (Kram, Domingo & Ferris 1997): our walks end
+there, u = 0.2 to 0.7 being 0.6 to 2 m/s for a person, and runs begin at 0.9. A foot stands for about 60 % of the cycle
+of a walk, 40 to 30 % of that of a run and near 20 % of a sprint's (Novacheck 1998); strides are about as long as
+Alexander 1976 found for animals of all sizes, 2.3 u^0.6 hip heights. A walking body is highest over the foot that
+carries it, a running one between its steps (Cavagna, Heglund & Taylor 1977). The hips turn and drop by about 5° to
+either side in a walk (Saunders, Inman & Eberhart 1953). All else, and what lies between, is our choice by eye.
 """
 
 from .manner import Manner
@@ -54,7 +57,8 @@ SKIP = (
     Manner(2.0, 0.3, _SKIP, 3.5, lift=0.2, bob=0.05, bob_beats=1, bob_phase=0.8, sway=0.05, yaw=0.1, roll=0.06,
            lean=0.15, crouch=0.06, swing=1.0, toe_off=1.1),
 )  # fmt: skip
-"""The trailing foot always lands first, then the leading one, then the body flies (Minetti 1998, "unilateral")."""
+"""The same foot always trails: it lands first, then the leading one, then the body flies (Minetti 1998; Andrada et al.
+2016, "unilateral skipping"). By how much the one is behind the other is our choice."""
 
 HOP = (
     Manner(0.0, 0.72, (0.0,), 0.35, lift=0.04, bob=0.015, bob_beats=1, bob_phase=0.86, crouch=0.04, toe_off=0.4),

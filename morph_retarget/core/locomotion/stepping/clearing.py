@@ -18,7 +18,7 @@ FLAT = 0.005
 """What stands over their way by less than this needs no clearance [leg lengths]."""
 PROBES: Array = np.linspace(0.04, 0.96, 16)
 """Times of a flight at which the ground under the foot is looked at."""
-HIGHEST = 0.3
+HIGHEST = 0.6
 """Feet are never lifted higher than this over what lies between their plants [leg lengths]."""
 LEAST_ARC = 0.25
 """A foot is not lifted for what stands so near to its plants that its arc is lower than this share of its height."""

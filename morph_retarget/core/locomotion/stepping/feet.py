@@ -21,7 +21,7 @@ LANDED = 0.2
 """Share of the stance after which a foot that landed on its heel lies flat."""
 HEEL_OFF = 0.5
 """Share of the stance after which the heel leaves the ground."""
-TRAILING = 0.5
+TRAILING = 0.65
 """Share of the flight after which toes are no longer bent."""
 RAMP = 1.0 / 3.0
 """Share of a stance over which a foot takes over its load, and over which it gives it away."""
@@ -29,6 +29,8 @@ TRAILS, TURNS = 0.3, 0.4
 """Share of the flight in which a foot trails, and share in which it changes to going ahead."""
 GIVES = 0.02
 """How softly flying feet are held in reach [leg lengths]."""
+STRETCH = 0.015
+"""Legs of feet that just left the ground may be longer by this share."""
 NARROW = 0.15
 """They are not drawn nearer than this to under their hips [leg lengths]."""
 LEVELLED = 0.7
@@ -131,6 +133,8 @@ class Feet:
     """Whether each is on the ground, shape (frame, leg)."""
     glides: Array
     """How much each keeps its height, from 0 where it trails to 1 where it comes in to land, shape (frame, leg)."""
+    steep: Array
+    """How much each goes straight up from what is before it, or down behind it, 0 … 1, shape (frame, leg)."""
     held: Array
     """How much the body has to keep each in reach: 1 on the ground, falling to 0 in flight, shape (frame, leg)."""
     load: Array
@@ -178,7 +182,8 @@ def at(steps: Steps, times: Array) -> Feet:
     places = held - quat.rotate(turns, pivot)
     toes = np.where(standing, np.minimum(pitch, 0.0), pitch * eased(flight / TRAILING))
     floors, headings = floor + along * (next_floor - floor), heading + along * (next_heading - heading)
-    glides = eased((flight - TRAILS) / TURNS) * (1.0 - late)
+    turned = eased((flight - TRAILS) / TURNS)
+    glides, steep = turned * (1.0 - late), early + turned * (late - early)
     held = 1.0 - eased(np.minimum(flight, 1.0 - flight) / FREE)
     return Feet(
         places,
@@ -188,11 +193,28 @@ def at(steps: Steps, times: Array) -> Feet:
         toes,
         standing,
         glides,
+        steep,
         held,
         _load(time, touch, lift, usual, standing),
         floors,
         headings,
     )
+
+
+def trailing(steps: Steps, shares: Array, legs: Indices, cycles: Indices) -> Array:
+    """Return the joints of feet late in their stances, rolled over their tips [m], shape (n, 3).
+
+    Args:
+        steps: Of all feet.
+        shares: How much of each stance is over, 0.5 … 1, shape (n,).
+        legs: Whose stances, shape (n,).
+        cycles: Which of theirs, shape (n,).
+    """
+    places, flat = steps.plants.places[legs, cycles], steps.plants.turns[legs, cycles]
+    rolled = _rolled(steps.rolls.off[legs, cycles], np.zeros(len(legs)), shares)
+    tips = steps.sizes.tips[legs]
+    turns = quat.multiply(flat, quat.from_axis_angle(LEFT, rolled))
+    return places + quat.rotate(flat, tips) - quat.rotate(turns, tips)
 
 
 def leaned(feet: Feet, sizes: Sizes, places: Array, headings: Array) -> Feet:
@@ -237,7 +259,13 @@ def pulled(feet: Feet, hips: Array, longest: Array) -> Feet:
     near[..., :2] *= _held(quat.length(away[..., :2]), far, longest)[..., None]
     up = _held(quat.length(away), longest, longest)[..., None] * away
     near = up + feet.glides[..., None] * (near - up)
-    return replace(feet, places=feet.places + free * (near - away))
+    straight = np.where(feet.standing, 0.0, feet.steep)
+    near = away + (1.0 - straight)[..., None] * free * (near - away)
+    # What is still too far is where the body rises as a foot leaves for a higher step: it hurries up the step's face.
+    far = (longest * (1.0 + STRETCH * feet.held)) ** 2 - near[..., 0] ** 2 - near[..., 1] ** 2
+    raised = np.maximum(-np.sqrt(np.maximum(far, (NARROW * longest) ** 2)) - near[..., 2], 0.0)
+    near[..., 2] += straight * raised
+    return replace(feet, places=hips + near)
 
 
 def _held(distance: Array, most: Array, longest: Array) -> Array:

@@ -24,7 +24,7 @@ from ..moving import LEFT, carried_by, eased
 from ..patterns import styles
 from ..patterns.pattern import pattern
 from ..settings import GaitSettings
-from . import arms, contacts, feet, legs, pace, plants, trunk
+from . import arms, contacts, feet, legs, pace, plants, releasing, trunk
 from .arms import Arm
 from .contacts import Contacts
 from .feet import Rolls, Steps
@@ -124,8 +124,9 @@ def prepare(
         settings.path,
     )
     body = trunk.find(character, rest, root, found.legs, sizes)
+    steps = releasing.released(course, steps, body, settings.tilt, level=ground is None)
     swinging = tuple(arms.find(character, rest, body, found.legs)) if settings.arms > 0.0 else ()
-    warnings = tuple(_told(found, paces, stood))
+    warnings = tuple(_told(found, paces, stood, sizes))
     return Gait(
         character,
         course,
@@ -144,10 +145,11 @@ def prepare(
 
 
 def carrier_of(character: Character, root: int, found: Legs) -> int:
-    """Return the nearest body, from the root upward, that carries all legs."""
+    """Return the nearest body, from the root upward, that carries all legs, and the trunk if one does."""
     ancestors = character.skeleton.tree.ancestors
     firsts = [leg.path[0] for leg in found.legs]
-    above = (root, *ancestors[root])
+    most = character.carrier(root)
+    above = (most, *ancestors[most])
     return next((body for body in above if all(body in ancestors[first] for first in firsts)), above[-1])
 
 
@@ -211,7 +213,7 @@ def _rolls(
     return Rolls(off, strike, np.maximum(lift * sizes.lengths[:, None], stood.clearance.lift))
 
 
-def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants) -> Iterator[str]:
+def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants, sizes: Sizes) -> Iterator[str]:
     """Yield what the user should know."""
     hurried = max(own.hurried for own in paces)
     if hurried > HURRIED:
@@ -221,6 +223,11 @@ def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants) -> Iterator[str]:
     stiff = sum(len(leg.path) < 3 for leg in found.legs)
     if stiff:
         yield f"{stiff} of its {len(found.legs)} legs have no knee: their feet slide"
+    if sizes.lying.any():
+        yield (
+            f"{int(sizes.lying.sum())} of its {len(found.legs)} legs do not stand in its rest pose, so their feet slide: "
+            "pose it standing and apply that as its rest pose"
+        )
     if len(found.legs) == 1:
         yield "it has one leg: it hops"
 

@@ -15,7 +15,7 @@ from ..course import Course
 from ..patterns.pattern import Pattern
 from ..settings import GaitSettings
 from .legs import LegGroup
-from .reaching import SPREAD, Reach
+from .reaching import PASSES, Reach, room, spread
 
 GRAVITY = 9.81
 """[m/s²]."""
@@ -133,10 +133,8 @@ def first_pace(
     """
     metres = speeds * np.sqrt(GRAVITY * group.height)
     far = 2.0 * reach.farthest(settings.crouch) / pattern.duty.max(axis=1)
-    share = _aside(drive) / np.maximum(metres, 1e-9)
-    wide = reach.farthest_aside(settings.crouch) + 0.5 * width
-    wide = wide / (np.maximum(share, 1e-9) * 0.5 * (pattern.duty.max(axis=1) + SPREAD))
-    most = np.minimum(np.minimum(far, wide), _widest(drive, metres, width))
+    share, duty = _aside(drive) / np.maximum(metres, 1e-9), pattern.duty.max(axis=1)
+    most = np.minimum(far, _widest(share, duty, reach.farthest_aside(settings.crouch), width, group.length))
     wanted = metres / (settings.stride * pattern.stride * group.height)
     slowest = float(IDLE * np.sqrt(GRAVITY * group.height) / (idle.stride[0] * group.height))
     turning = drive.smoothed(np.abs(drive.turning))
@@ -152,7 +150,7 @@ def first_pace(
     hurried = float((metres / far / np.maximum(wanted, 1e-9))[moving].max(initial=1.0))
     stride = metres / np.maximum(frequency, slowest)
     half = 0.5 * stride * pattern.duty.max(axis=1)
-    wider = 0.5 * np.maximum(SPREAD * share * stride - width, 0.0)
+    wider = 0.5 * spread(share * stride, np.array(width), np.array(group.length))
     # In the middle of a step the body is as low already as its style has it.
     bobs = settings.body * group.length * np.sqrt((pattern.waves**2).sum(axis=(-1, -2)))
     low = drive.smoothed(
@@ -161,9 +159,19 @@ def first_pace(
     return Pace(drive.times, pattern, speeds, frequency, phase, frequency == 0.0, low, slowest, hurried)
 
 
-def _widest(drive: Drive, metres: Array, width: float) -> Array:
-    """Return the longest stride with which feet do not get far across each other to the side [m], shape (sample,)."""
-    return ACROSS * width * np.maximum(metres, 1e-9) / np.maximum(_aside(drive), 1e-9)
+def _widest(share: Array, duty: Array, reach: float, width: float, length: float) -> Array:
+    """Return the longest strides [m] that feet reach to the side, and with which they do not get far across each other.
+
+    Args:
+        share: How much of the way is to the side, shape (sample,).
+        duty: The longest duty factor of the group, shape (sample,).
+        reach: How far the legs reach to both sides [m].
+        width: How far left and right feet are apart [m].
+        length: Of the legs [m].
+    """
+    spare = 0.5 * (width - float(room(np.array(width), np.array(length))))
+    most = np.minimum(2.0 * reach / duty, (reach + spare) / (0.5 * (duty + PASSES)))
+    return np.minimum(most, ACROSS * width) / np.maximum(share, 1e-9)
 
 
 def _aside(drive: Drive) -> Array:

@@ -19,7 +19,7 @@ from . import clearing
 from .clearing import Clearance
 from .contacts import Contacts
 from .legs import FORWARD
-from .reaching import ROLLS, SPREAD
+from .reaching import ROLLS, spread
 from .sizes import Sizes
 from .spacing import apart
 
@@ -29,10 +29,14 @@ EDGE = 0.35
 """A sole that bridges more than this, as a share of its length, stands on an edge …"""
 BENT = 0.1
 """… if the ground under its middle is off the line between its ends by more than this."""
+WALL = 0.07
+"""Soles stand no nearer to steps before and behind them, which rise by more than this, too [leg lengths]."""
 WIDE = 0.2
 """Where the ground is looked at on both sides of a sole [sole lengths]."""
 SHIFTS = (0.35, -0.35, 0.7, -0.7, 1.05, -1.05)
 """Ways by which a foot is moved forward off an edge, the first that helps [sole lengths]."""
+HANGS = 0.1
+"""A foot of which one end is this far above the ground, as a share of the sole, does not roll over its ends."""
 PASSES = 2
 """How often the tilt of a foot is found."""
 
@@ -98,7 +102,10 @@ def find(
     places = apart(places, turned, contacts, sizes)
     floors, bare = bodies[:, 2].reshape(shape), 0
     if ground is not None:
-        places, turned, floors, bare = _on(ground, places, turned, floors, sizes, tilt, _seen(course, contacts))
+        seen = _seen(course, contacts)
+        places, turned, floors, touching, bare = _on(ground, places, turned, floors, sizes, tilt, seen)
+        # Who hangs over an edge cannot roll there.
+        rolls = rolls * touching
     clear = Clearance.none(shape) if ground is None else clearing.find(ground, places, turned, sizes, path)
     rolls = rolls * (1.0 - _stepping(clear))
     return Plants(places, turned, floors, headings.reshape(shape), rolls, clear, bare)
@@ -118,7 +125,7 @@ def _stepping(clear: Clearance) -> Array:
 def _spread(sizes: Sizes, strides: Array) -> Array:
     """Return homes that are far enough apart for strides to the side [m], shape (leg, cycle) to (leg, cycle, 3)."""
     aside = sizes.homes[:, :1]
-    wider = 0.5 * np.maximum(SPREAD * strides - 2.0 * np.abs(aside), 0.0)
+    wider = 0.5 * spread(strides, 2.0 * np.abs(aside), sizes.lengths[:, None])
     homes = np.broadcast_to(sizes.homes[:, None], (*strides.shape, 3)).copy()
     homes[..., 0] += np.sign(aside) * wider
     return homes
@@ -126,8 +133,12 @@ def _spread(sizes: Sizes, strides: Array) -> Array:
 
 def _on(
     ground: Ground, places: Array, turned: Array, floors: Array, sizes: Sizes, tilt: float, counts: Flags
-) -> tuple[Array, Array, Array, int]:
-    """Put feet on the ground: returns their joints' places, turns, the floors and how many found none."""
+) -> tuple[Array, Array, Array, Array, int]:
+    """Put feet on the ground.
+
+    Returns their joints' places, their turns, the floors, how far both ends of each touch the ground, 0 … 1, and how
+    many found none.
+    """
     ahead = quat.rotate(turned, np.broadcast_to(FORWARD, places.shape)) * sizes.soles[:, None, None]
     best, heights, level = _under(ground, places, turned, sizes)
     bare = np.isnan(heights).any(axis=-1)
@@ -141,7 +152,21 @@ def _on(
         best = np.where(good[..., None], tried, best)
         heights = np.where(good[..., None], found, heights)
         level |= good
+    tried, found, good = _under(ground, best + _off_walls(ground, best, turned, sizes), turned, sizes)
+    best = np.where((good & level)[..., None], tried, best)
+    heights = np.where((good & level)[..., None], found, heights)
     return *_settled(ground, best, turned, heights, sizes, tilt, level), int((bare & counts).sum())
+
+
+def _off_walls(ground: Ground, places: Array, turned: Array, sizes: Sizes) -> Array:
+    """Return ways by which feet are moved back from what rises before their tips or behind their heels [m]."""
+    margin = np.where(sizes.soles > 0.0, WALL * sizes.lengths, 0.0)[:, None]
+    ahead = margin[..., None] * quat.rotate(turned, np.broadcast_to(FORWARD, places.shape))
+    ends = [places + quat.rotate(turned, np.broadcast_to(o[:, None], places.shape)) for o in (sizes.tips, sizes.heels)]
+    points = np.stack([ends[0], ends[0] + ahead, ends[1], ends[1] - ahead], axis=2)
+    found = ground(points.reshape(-1, 3)).reshape(points.shape[:-1])
+    tip, heel = (found[..., end + 1] - found[..., end] > margin for end in (0, 2))
+    return (heel.astype(np.float64) - tip)[..., None] * ahead
 
 
 def _under(ground: Ground, places: Array, turned: Array, sizes: Sizes) -> tuple[Array, Array, Flags]:
@@ -160,25 +185,32 @@ def _under(ground: Ground, places: Array, turned: Array, sizes: Sizes) -> tuple[
 
 def _settled(
     ground: Ground, places: Array, turned: Array, heights: Array, sizes: Sizes, tilt: float, level: Flags
-) -> tuple[Array, Array, Array]:
-    """Tilt feet with the ground under heel, tip and both sides, and put them down on it."""
+) -> tuple[Array, Array, Array, Array]:
+    """Tilt feet with the ground under heel, tip and both sides, and put them down on it; see `_on`."""
     soles = np.maximum(sizes.soles, 1e-9)[:, None]
     flat = (sizes.soles > 0.0)[:, None] & level
-    turns, own, found = turned, places, heights
+    passes = PASSES if flat.any() else 0
+    turns, found, pitch = turned, heights, np.zeros(flat.shape)
     # Where heel and tip are depends on the tilt, and the tilt on what is under them.
-    for _ in range(PASSES if flat.any() else 1):
-        pitch = np.where(flat, np.arctan2(found[..., 0] - found[..., 1], soles), 0.0)
+    for number in range(passes):
+        heel, tip = _joint_over(turns, found, sizes)
+        pitch = np.clip(pitch + np.where(flat, np.arctan2(heel - tip, soles), 0.0), -STEEPEST, STEEPEST)
         roll = np.where(flat, np.arctan2(found[..., 3] - found[..., 2], 2.0 * WIDE * soles), 0.0)
-        pitch, roll = (tilt * np.clip(angle, -STEEPEST, STEEPEST) for angle in (pitch, roll))
-        tilted = quat.multiply(quat.from_axis_angle(LEFT, pitch), quat.from_axis_angle(-FORWARD, roll))
-        turns = quat.multiply(turned, tilted)
+        share = tilt if number == passes - 1 else 1.0
+        sideways = quat.from_axis_angle(-FORWARD, share * np.clip(roll, -STEEPEST, STEEPEST))
+        turns = quat.multiply(turned, quat.multiply(quat.from_axis_angle(LEFT, share * pitch), sideways))
         _, found, _ = _under(ground, places, turns, sizes)
         found = np.where(np.isfinite(found), found, heights)
     # What of the sole would be deepest stands on the ground.
-    floors = np.full(heights.shape[:2], -np.inf)
-    own = places.copy()
-    for offset, height in ((sizes.heels, found[..., 0]), (sizes.tips, found[..., 1])):
-        away = quat.rotate(turns, np.broadcast_to(offset[:, None], places.shape))
-        floors = np.maximum(floors, height - away[..., 2])
-    own[..., 2] = floors
-    return own, turns, found.mean(axis=-1)
+    own, (heel, tip) = places.copy(), _joint_over(turns, found, sizes)
+    own[..., 2] = np.maximum(heel, tip)
+    return own, turns, found.mean(axis=-1), 1.0 - eased(np.abs(heel - tip) / (HANGS * soles))
+
+
+def _joint_over(turns: Array, found: Array, sizes: Sizes) -> tuple[Array, Array]:
+    """Return how high the feet's joints are when their heels touch the ground, and when their tips do [m]."""
+    heel, tip = (
+        found[..., i] - quat.rotate(turns, np.broadcast_to(offset[:, None], (*turns.shape[:2], 3)))[..., 2]
+        for i, offset in enumerate((sizes.heels, sizes.tips))
+    )
+    return heel, tip

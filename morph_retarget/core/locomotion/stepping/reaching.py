@@ -16,13 +16,16 @@ FEWEST = 0.08
 """A stance reaches at least this far to the front and back, however the leg is made [leg lengths]."""
 CROUCHES = 0.12
 """Hips may be lowered this far for a long stride [leg lengths]."""
-SPREAD = 0.55
-"""Left and right feet are put at least so far apart for a stride to the side, as a share of it: half would let a foot
-come right beside the other."""
 EASES = 0.8
 """How much shorter the way of the ankle is than the body's while a foot stands, as it rolls, to one side [soles]."""
 ROLLS = 0.4
 """By what share of its sole a foot stands for longer than its ankle's way, as it rolls over heel and ball."""
+NEAREST = 0.5
+"""Feet land no nearer to each other than this share of how far they are apart at rest …"""
+FARTHEST = 0.3
+"""… and never need more room than this [leg lengths]."""
+PASSES = 0.5
+"""Way of the body between the steps of a left and a right foot [strides]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,14 +55,14 @@ class Reach:
             crouch: How much the hips are lowered already [leg lengths].
         """
         low = np.maximum(-self.away[:, 2] - (CROUCHES + crouch) * self.lengths, 0.0)
-        flat = np.maximum((LONGEST * self.lengths) ** 2 - low**2 - self.away[:, 0] ** 2, 0.0)
+        flat = np.maximum((EASY * self.lengths) ** 2 - low**2 - self.away[:, 0] ** 2, 0.0)
         far = np.sqrt(flat) - np.abs(self.away[:, 1]) + ROLLS * self.soles
         return float(np.maximum(far, FEWEST * self.lengths).min())
 
     def farthest_aside(self, crouch: float) -> float:
         """Return the same to both sides [m]."""
         low = np.maximum(-self.away[:, 2] - (CROUCHES + crouch) * self.lengths, 0.0)
-        flat = np.maximum((LONGEST * self.lengths) ** 2 - low**2 - self.away[:, 1] ** 2, 0.0)
+        flat = np.maximum((EASY * self.lengths) ** 2 - low**2 - self.away[:, 1] ** 2, 0.0)
         return float(np.maximum(np.sqrt(flat) - np.abs(self.away[:, 0]), FEWEST * self.lengths).min())
 
     def lowering(self, ahead: Array, aside: Array) -> Array:
@@ -74,3 +77,21 @@ class Reach:
         deep = np.sqrt(np.maximum((EASY * self.lengths) ** 2 - far**2 - wide**2, 0.0))
         most = CROUCHES * self.lengths
         return np.clip(-self.away[:, 2] - deep, 0.0, most).max(axis=1)
+
+
+def room(apart: Array, lengths: Array) -> Array:
+    """Return how near feet may come to each other [m], which are so far apart at rest [m], on legs of lengths [m]."""
+    return np.minimum(NEAREST * apart, FARTHEST * lengths)
+
+
+def spread(strides: Array, apart: Array, lengths: Array) -> Array:
+    """Return how much further apart left and right feet are put for strides to the side [m].
+
+    While one foot stands the other one passes half a stride, and then lands beside it.
+
+    Args:
+        strides: To the side [m].
+        apart: How far the feet are apart at rest [m].
+        lengths: Of the legs [m].
+    """
+    return np.maximum(PASSES * strides + room(apart, lengths) - apart, 0.0)

@@ -13,6 +13,8 @@ PAW, SOLE = 0.1, 0.2
 """Lengths of soles that hang like paws, and of those that are held level [leg lengths]."""
 CENTRED = 0.8
 """Share of the way to under its hip by which the foot of an upright leg is put for long strides."""
+STRETCHED, LYING = 0.9999, 0.5
+"""A leg whose foot rests this far from its hip, and less than this below it, is stretched to a side [leg lengths]."""
 LONG = 0.25
 """A foot that stands on its end, its joint higher over the ground than this share of its leg, is long."""
 
@@ -39,6 +41,17 @@ class Sizes:
     """How much the foot hangs from its joint in flight: 1 for paws and hooves, 0 for long soles, shape (leg,)."""
     soles: Array
     """Length of the soles [m], 0 for feet that stand on a point, shape (leg,)."""
+
+    @property
+    def rests(self) -> Array:
+        """How far the feet are from their hips at rest [m], shape (leg,)."""
+        return quat.length(self.homes - self.hips)
+
+    @property
+    def lying(self) -> Flags:
+        """Whether each leg points up at rest, or lies stretched to a side, as where a file has no pose, shape (leg,)."""
+        below = (self.hips - self.homes)[:, 2]
+        return (below < 0.0) | ((self.rests > STRETCHED * self.lengths) & (below < LYING * self.lengths))
 
     @classmethod
     def of(cls, legs: Sequence[Leg], width: float) -> "Sizes":

@@ -6,12 +6,8 @@ from ... import quat
 from ...arrays import Array
 from ..moving import LEFT
 from .contacts import Contacts
+from .reaching import room
 from .sizes import Sizes
-
-NEAREST = 0.5
-"""Feet land no nearer to each other than this share of how far they are apart at rest …"""
-FARTHEST = 0.3
-"""… and never need more room than this [leg lengths]."""
 
 
 def apart(places: Array, turned: Array, contacts: Contacts, sizes: Sizes) -> Array:
@@ -24,8 +20,8 @@ def apart(places: Array, turned: Array, contacts: Contacts, sizes: Sizes) -> Arr
         sizes: Of the feet.
     """
     out, level = places.copy(), sizes.homes[:, None, :2] - sizes.homes[None, :, :2]
-    room = np.minimum(NEAREST * quat.length(level), FARTHEST * sizes.lengths[:, None])
-    np.fill_diagonal(room, 0.0)
+    least = room(quat.length(level), sizes.lengths[:, None])
+    np.fill_diagonal(least, 0.0)
     legs = np.arange(len(sizes.lengths))
     for leg in legs.tolist():
         count = int(contacts.counts[leg])
@@ -38,6 +34,6 @@ def apart(places: Array, turned: Array, contacts: Contacts, sizes: Sizes) -> Arr
         # Who would land right on another steps to its own side.
         aside = quat.rotate(turned[leg, :count], LEFT)[:, None, :2] * np.sign(level[leg, :, :1] + 1e-12)
         way = np.where((distance > 1e-6)[..., None], away / np.maximum(distance, 1e-12)[..., None], aside)
-        missing = np.where(stands, np.maximum(room[leg] - distance, 0.0), 0.0)
+        missing = np.where(stands, np.maximum(least[leg] - distance, 0.0), 0.0)
         out[leg, :count, :2] += (missing[..., None] * way).sum(axis=1)
     return out

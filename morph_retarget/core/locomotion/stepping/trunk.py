@@ -16,7 +16,7 @@ from ...arrays import Array, Indices
 from ...character.character import Character
 from ..moving import UP
 from .feet import Feet
-from .legs import Leg
+from .legs import FORWARD, Leg
 from .reaching import LONGEST
 from .sizes import Sizes
 
@@ -32,6 +32,12 @@ LOWEST = 0.5
 """Hips are never lowered by more than this [leg lengths]."""
 APART = 0.3
 """Feet that are further apart than this from front to back, in leg lengths, tilt the body with the ground."""
+BENDS = 3
+"""A trunk that carries legs at so many bodies or more bends over what its feet stand on …"""
+NEAR = 1.0
+"""… as they feel it within about this distance [leg lengths]."""
+LIES = 0.5
+"""A body whose next one is further to the front than this share of the way there lies along the ground."""
 BARELY = 0.15
 """Load below which nothing carries the body."""
 
@@ -56,6 +62,8 @@ class Trunk:
     """From the joint of that [m], shape (leg, 3)."""
     tilts: Array
     """Takes the heights of floors under all feet to the height under the body and its slopes, shape (3, leg)."""
+    bends: Array | None
+    """Takes them to the heights under the bodies of the trunk, shape (body, leg), where it bends with the ground."""
 
 
 def find(character: Character, rest: Array, root: int, legs: Sequence[Leg], sizes: Sizes) -> Trunk:
@@ -85,7 +93,10 @@ def find(character: Character, rest: Array, root: int, legs: Sequence[Leg], size
     steady[above] = 1.0 - (np.arange(len(above)) + 1.0) / max(len(above), 1)
     hips = np.array([_carrier(leg.path[0], bodies, tree.ancestors) for leg in legs], dtype=np.intp)
     hip_offsets = np.array([leg.hip for leg in legs]) - rest[[bodies[i] for i in hips]]
-    return Trunk(tuple(bodies), np.array(carriers), offsets, along, steady, hips, hip_offsets, _tilts(sizes))
+    tilts, bends = _tilts(sizes), None
+    if len({*hips.tolist()}) >= BENDS:
+        bends = _bends(sizes, rest[bodies])
+    return Trunk(tuple(bodies), np.array(carriers), offsets, along, steady, hips, hip_offsets, tilts, bends)
 
 
 def _carrier(body: int, bodies: Sequence[int], ancestors: Sequence[Sequence[int]]) -> int:
@@ -99,6 +110,21 @@ def _tilts(sizes: Sizes) -> Array:
     columns = np.stack([np.ones(len(homes)), homes[:, 0] * wide, homes[:, 1] * wide], axis=-1)
     fit: Array = np.linalg.pinv(columns, rcond=1e-6).astype(np.float64)
     return fit
+
+
+def _bends(sizes: Sizes, joints: Array) -> Array:
+    """Return what takes heights under the homes of feet to those under joints [m], shape (joint, 3) to (joint, leg).
+
+    At each joint a line is fitted along the body, to which feet count the less the further they are away.
+    """
+    out = np.empty((len(joints), len(sizes.homes)))
+    for row, joint in zip(out, joints, strict=True):
+        away = (sizes.homes[:, 1] - joint[1]) / (NEAR * float(sizes.lengths.max()))
+        nearest = float(np.abs(away).min())
+        weights = np.exp(-0.25 * (away**2 - nearest**2))
+        columns = weights[:, None] * np.stack([np.ones_like(away), away], axis=-1)
+        row[:] = np.linalg.pinv(columns, rcond=1e-6)[0] * weights
+    return out
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,10 +179,14 @@ def carried(
     away = feet.places[..., :2] - places[:, None, :2]
     sin, cos = np.sin(headings)[:, None], np.cos(headings)[:, None]
     reach = (sizes.homes[:, 1] - (cos * away[..., 1] - sin * away[..., 0])) / sizes.lengths
-    floor, aslope, bslope = np.moveaxis(_fitted(trunk.tilts, feet), -1, 0)
-    slope = np.zeros((len(places), 3))
-    slope[:, 0] = tilt * np.arctan(bslope) + ways.lean
-    slope[:, 1] = -tilt * np.arctan(aslope)
+    floor, aslope, bslope = np.moveaxis(_fitted(trunk.tilts, feet.floors), -1, 0)
+    slope = np.zeros((len(places), len(trunk.bodies), 3))
+    slope[..., 0] = (tilt * np.arctan(bslope) + ways.lean)[:, None]
+    slope[..., 1] = -tilt * np.arctan(aslope)[:, None]
+    if trunk.bends is not None:
+        heights = _fitted(trunk.bends, feet.floors)
+        floor = floor + tilt * (heights[:, 0] - floor)
+        slope[..., 0] = tilt * _bent(trunk, heights) + ways.lean[:, None]
     turns = _turns(trunk, sizes, heading, slope, feet, reach, ways)
     total = feet.load.sum(axis=1)
     aside = ways.sway * (feet.load * sizes.homes[:, 0]).sum(axis=1) / (total + BARELY)
@@ -164,20 +194,65 @@ def carried(
     root = quat.rotate(heading, away)
     root += np.stack([places[:, 0], places[:, 1], floor], axis=-1)
     hips = _hips(trunk, root, turns)
+    if trunk.bends is not None:
+        shift = _centred(sizes, hips, heading, places)
+        root, hips = root + shift, hips + shift[:, None]
     down = _dropped(sizes, hips, feet)
     root[:, 2] -= down
     hips[..., 2] -= down[:, None]
     return Carriage(root, turns, hips, reach)
 
 
+def _bent(trunk: Trunk, heights: Array) -> Array:
+    """Return by what angle each body of a bending trunk goes up to the rear [rad], shape (frame, body).
+
+    Args:
+        trunk: From `find`.
+        heights: Of the ground under its joints [m], shape (frame, body).
+    """
+    out, carriers = np.zeros_like(heights), trunk.carriers.tolist()
+    for i, carrier in enumerate(carriers):
+        above = [other for other, own in enumerate(carriers) if own == i and other != i]
+        lies = [b for b in above if abs(trunk.offsets[b, 1]) > LIES * float(np.linalg.norm(trunk.offsets[b]))]
+        if lies:  # it points to the next one
+            rise = (heights[:, lies[0]] - heights[:, i]) * np.sign(trunk.offsets[lies[0], 1])
+            out[:, i] = np.arctan2(rise, abs(trunk.offsets[lies[0], 1]))
+        else:
+            out[:, i] = out[:, carrier]
+    return out
+
+
+def _centred(sizes: Sizes, hips: Array, heading: Array, places: Array) -> Array:
+    """Return what brings a bent trunk, which is shorter over the ground, over its feet again [m], shape (frame, 3)."""
+    at_rest = np.broadcast_to(sizes.hips.mean(axis=0), places.shape)
+    ahead = quat.rotate(heading, np.broadcast_to(FORWARD, places.shape))
+    missing = ((quat.rotate(heading, at_rest) + places - hips.mean(axis=1)) * ahead).sum(axis=-1, keepdims=True)
+    return missing * ahead
+
+
 def floors(trunk: Trunk, feet: Feet) -> Array:
     """Return the height of the ground under the body [m], shape (frame,): it is fitted to that under its feet."""
-    return _fitted(trunk.tilts[:1], feet)[:, 0]
+    return _fitted((trunk.tilts if trunk.bends is None else trunk.bends)[:1], feet.floors)[:, 0]
 
 
-def _fitted(tilts: Array, feet: Feet) -> Array:
-    """Return what rows of a trunk's ``tilts`` tell of the floors, shape (frame, row), alike in any batch to the bit."""
-    return (feet.floors[:, None] * tilts).sum(axis=-1)
+def under_hips(trunk: Trunk, floors: Array, sizes: Sizes, tilt: float) -> Array:
+    """Return the height of the ground that carries each hip as the body tilts [m], shape (frame, leg).
+
+    Args:
+        trunk: From `find`.
+        floors: Heights under the feet [m], shape (frame, leg).
+        sizes: Of the feet.
+        tilt: How much the body tilts with the ground, 0 … 1.
+    """
+    floor, aslope, bslope = np.moveaxis(_fitted(trunk.tilts, floors)[..., None], 1, 0)
+    if trunk.bends is not None:
+        return floor + tilt * (_fitted(trunk.bends, floors)[:, trunk.hips] - floor)
+    return floor + tilt * (aslope * sizes.hips[:, 0] + bslope * sizes.hips[:, 1])
+
+
+def _fitted(tilts: Array, floors: Array) -> Array:
+    """Return what rows of a trunk's ``tilts`` tell of floors, shape (frame, row), alike in any batch to the bit."""
+    return (floors[:, None] * tilts).sum(axis=-1)
 
 
 def _turns(trunk: Trunk, sizes: Sizes, heading: Array, slope: Array, feet: Feet, reach: Array, ways: Ways) -> Array:
@@ -199,7 +274,7 @@ def _turns(trunk: Trunk, sizes: Sizes, heading: Array, slope: Array, feet: Feet,
         ],
         axis=-1,
     )
-    tilted = quat.from_rotation_vector(slope[:, None] * trunk.steady[:, None])
+    tilted = quat.from_rotation_vector(slope * trunk.steady[:, None])
     turned = quat.multiply(tilted, quat.from_rotation_vector(own * trunk.steady[:, None]))
     return quat.multiply(np.broadcast_to(heading[:, None], turned.shape), turned)
 
