@@ -14,6 +14,7 @@ import numpy as np
 from PIL import Image
 
 from morph_retarget.blender import registration, rig
+from morph_retarget.blender.cli import program
 from morph_retarget.blender.io import load
 from morph_retarget.blender.io.load import Request
 from morph_retarget.blender.morph import cast
@@ -39,10 +40,15 @@ GAITS_SHOWN = "gaits_hound"
 """The sample of which the footfalls are shown."""
 
 
+VALIDATED = ("Wave by Hand", "Wave by Paw", "Hand to Mouth", "Paw to Mouth", "Pick Up by Hand", "Bow", "Jump", "Dance")
+"""The sample actions of the grid that is shown."""
+
+
 def main() -> None:
     """Draw all pictures of the documentation."""
     draw_actions()
     draw_locomotion()
+    draw_validation()
 
 
 def draw_actions() -> None:
@@ -78,6 +84,16 @@ def draw_locomotion() -> None:
             whole.quantize(128, Image.Quantize.MAXCOVERAGE, kmeans=4).save(IMAGES / "locomotion.png", optimize=True)
     finally:
         registration.unregister()
+
+
+def draw_validation() -> None:
+    """Draw a validation grid of sample actions on sample characters."""
+    with tempfile.TemporaryDirectory() as folder:
+        made = [f"{SAMPLES / 'actions.blend'}#{name}" for name in VALIDATED]
+        on = [str(SAMPLES / "characters" / f"{name}.blend") for name in ("biped", "asura", "hound", "beetle", "bird")]
+        program.main(["validate", *made, "--on", *on, str(SAMPLES / "sprout.blend"), "--out", folder])
+        with Image.open(Path(folder, "grid.png")) as grid:
+            grid.convert("RGB").quantize(96).save(IMAGES / "validation.png", optimize=True)
 
 
 def opened(name: str) -> bpy.types.Object:

@@ -7,10 +7,8 @@ import numpy as np
 
 from morph_retarget.blender import rig
 from morph_retarget.blender.morph import cast, stage
-from morph_retarget.core.arrays import Array
-from morph_retarget.core.character.morphology import Capability
-from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.morph.context import select
+from morph_retarget.core.morph.within_reach import within_reach
 
 from . import acting, acts, flesh
 from .figure import Point
@@ -73,7 +71,7 @@ def meet(ob: bpy.types.Object, partner: bpy.types.Object) -> None:
 def fruit(ob: bpy.types.Object, name: str = "Fruit") -> bpy.types.Object:
     """Return a new fruit that a character can reach with each of its graspers."""
     _, character, bodies = cast.analysed(ob)
-    made = bpy.data.objects.new(name, _fruit_mesh(name, FRUIT * bodies.size))
+    made = bpy.data.objects.new(name, fruit_mesh(name, FRUIT * bodies.size))
     rig.scene_of().collection.objects.link(made)
     local = character.local_to_character.inverse().points(within_reach(bodies))
     made.location = stage.to_world(ob, local).tolist()
@@ -81,25 +79,8 @@ def fruit(ob: bpy.types.Object, name: str = "Fruit") -> bpy.types.Object:
     return made
 
 
-def within_reach(bodies: Bodies) -> Array:
-    """Return a place that the shortest grasper can reach: before the chest, or a little above and before a mouth.
-
-    Args:
-        bodies: Of the character.
-
-    Returns:
-        Place [m], character frame, shape (3,).
-    """
-    kinds = (Capability.GRASPER, Capability.MOUTH, Capability.HEAD, Capability.ROOT)
-    found = next(own for kind in kinds if (own := bodies.with_capability(kind)))
-    own = min(found, key=lambda body: bodies.limb_lengths[body])
-    length, side = bodies.limb_lengths[own], bodies.sides[own]
-    if side == 0 or bodies.has(own, Capability.MOUTH):
-        return bodies.positions[own] + length * np.array([0.15, -0.25, 0.1])
-    return bodies.positions[bodies.spine_segments[own]] + length * np.array([0.2, -0.5, 0.1])
-
-
-def _fruit_mesh(name: str, radius: float) -> bpy.types.Mesh:
+def fruit_mesh(name: str, radius: float) -> bpy.types.Mesh:
+    """Return a red ball of some radius [m]."""
     round_lump = Lump((0.0, 0.0, -0.1 * radius), (0.0, 0.0, 0.1 * radius), (radius, radius), sides=12)
     vertices, faces = flesh.mesh(round_lump)
     data = bpy.data.meshes.new(name)

@@ -39,6 +39,18 @@ def above_zero(text: str) -> float:
     return value
 
 
+def from_zero(text: str) -> float:
+    """Return a number that is not below zero."""
+    return within(text, 0.0, 1e9)
+
+
+def count(text: str) -> int:
+    """Return a whole number above zero."""
+    if not text.isdecimal() or int(text) == 0:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of things: use a whole number above 0")
+    return int(text)
+
+
 def _number(text: str) -> float:
     try:
         return float(text)

@@ -12,11 +12,11 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import bake, cast, choice, clip, deforms, jiggles, pose
+from ..morph import bake, cast, choice, clip, deforms, pose
 from ..morph.bake import Options, Take
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
-from . import action_file, data, locomotion, numbers
+from . import action_file, data, directing, locomotion, manner, numbers
 from .action_file import ActionFile
 from .messages import naming, say
 from .opening import add_rig_options, armature_here, open_rig
@@ -31,7 +31,8 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         metavar="ACTION",
-        help="generalized action: FILE.blend#ACTION, or an action in the open file; - for locomotion alone",
+        help="generalized action: FILE.blend#ACTION, or an action in the open file; - for locomotion alone; "
+        "a script of commands: FILE.toml or FILE.bml",
     )
     parser.add_argument("characters", metavar="CHARACTER", nargs="+", help="rigs: files, or armatures in the open file")
     parser.add_argument(
@@ -62,41 +63,7 @@ def add_to(parser: argparse.ArgumentParser) -> None:
         metavar="RATE",
         help="frame rate of the result (default: the character .blend's, else that of the action's file)",
     )
-    parser.add_argument(
-        "--bend-spine",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="bend the spine so that heads, hands and feet come to their goals (default: as the character's file says, "
-        "else no)",
-    )
-    parser.add_argument(
-        "--allow-stretch",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="let limbs get longer and shorter to come to goals out of reach (default: as the character's file says, "
-        "else no)",
-    )
-    parser.add_argument(
-        "--avoid-collisions",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="swivel arms and legs out of the trunk, the head and each other (default: as the character's file says, "
-        "else no)",
-    )
-    parser.add_argument(
-        "--joint-limits",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="turn no bone further than its own limits for inverse kinematics allow (default: as the character's file "
-        "says, else yes)",
-    )
-    parser.add_argument(
-        "--jiggles",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="let tails, ears, hair and the like follow (default: as the character's file says, else yes)",
-    )
-    locomotion.add_options(parser)
+    manner.add_options(parser)
     parser.add_argument(
         "--live", action="store_true", help="leave the generalized action on the characters, to be edited on; a .blend"
     )
@@ -165,6 +132,8 @@ def run(arguments: argparse.Namespace) -> int:
 def _source(text: str, stays_open: bool) -> contextlib.AbstractContextManager[ActionFile]:
     if text == locomotion.NO_ACTION:
         return contextlib.nullcontext(locomotion.no_action())
+    if directing.is_script(text):
+        return contextlib.nullcontext(directing.found(text))
     return action_file.found(text, stays_open)
 
 
@@ -184,7 +153,11 @@ def _play_all(job: _Job, outbox: save.Outbox, reports: list[dict[str, object]], 
     outputs, bound = job.outputs, False
     for group in [[text] for text in outputs.targets] if outputs.separate else [list(outputs.targets)]:
         characters = _cast(job, group)
-        options = Options(_frames(job, characters), rate=_rate(job, group[0]))
+        rate = _rate(job, group[0])
+        if isinstance(job.source, directing.ScriptFile):
+            for text, ob in zip(group, characters, strict=True):
+                warnings += [f"{text}: {warning}" for warning in directing.tell(job.source, ob)]
+        options = Options(_frames(job, characters), rate=rate)
         taken = [_take(job, text, ob, options) for text, ob in zip(group, characters, strict=True)]
         set_range(min(one.clip.frames[0] for one in taken), max(one.clip.frames[-1] for one in taken))
         if job.arguments.live:
@@ -207,6 +180,8 @@ def _frames(job: _Job, characters: Sequence[bpy.types.Object]) -> tuple[int, int
     """
     if job.arguments.frames is not None:
         return job.arguments.frames
+    if isinstance(job.source, directing.ScriptFile):
+        return directing.frames(characters[0])
     action = cast.action_of(characters[0])
     if action is not None and not isinstance(job.source, locomotion.NoAction):
         return clip.keyed_range(characters[0], action)
@@ -227,18 +202,7 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
         out.append(ob)
     action = job.source.bring()
     for ob in out:
-        jiggles.welcome(ob)
-        if arguments.bend_spine is not None:
-            of_rig(ob).bends_spine = arguments.bend_spine
-        if arguments.allow_stretch is not None:
-            of_rig(ob).allows_stretch = arguments.allow_stretch
-        if arguments.avoid_collisions is not None:
-            of_rig(ob).avoids_collisions = arguments.avoid_collisions
-        if arguments.joint_limits is not None:
-            of_rig(ob).use_joint_limits = arguments.joint_limits
-        if arguments.jiggles is not None:
-            of_rig(ob).jiggles.enabled = arguments.jiggles
-        locomotion.apply(arguments, job.source, ob)
+        manner.apply(arguments, job.source, ob)
         cast.add(ob, action)
     for ob in out:
         for name, target in arguments.target:

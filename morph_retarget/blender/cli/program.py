@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from ...core.errors import MorphError
-from . import mapping, playing, retargeting
+from . import batching, mapping, playing, retargeting, validating
 from .messages import NAME, say
 
 UNUSABLE = 2
@@ -18,6 +18,10 @@ _EXAMPLES = """examples:
   {prog} play "actions.blend#Wave" spider.glb bird.glb -o "out/{{target}}_{{action}}.glb" --report report.json
   {prog} play "actions.blend#Pick Up" character.blend -o picked.blend --target "Hand=Apple" --variant nearest
   {prog} play - hound.blend -o trot.glb --gait trot --speed 2
+  {prog} play scene.toml character.fbx hound.blend -o "out/{{target}}.glb"
+  {prog} batch clips --on "rigs/*.glb" --out out --jobs 4 --fail-on "slide>0.05,error>10"
+  {prog} batch jobs.toml --out out --jobs 4 --timeout 120 --resume
+  {prog} validate actions.blend --on stage.blend rigs/*.glb --out grid
 """
 
 
@@ -53,5 +57,8 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     mapping.add_to(commands.add_parser("map", help="tell what a rig is", **looks))
     retargeting.add_to(commands.add_parser("retarget", help="give a clip to one or more rigs", **looks))
-    playing.add_to(commands.add_parser("play", help="give a generalized action to characters", **looks))
+    playing.add_to(commands.add_parser("play", help="let characters play an action, or do what a script says", **looks))
+    validating.add_to(commands.add_parser("validate", help="judge generalized actions on many characters", **looks))
+    batching.add_to(commands.add_parser("batch", help="give many clips to many rigs, in worker processes", **looks))
+    batching.add_worker_to(commands.add_parser(batching.WORKER))  # without help, it is not listed
     return parser

@@ -83,6 +83,14 @@ class Outbox:
         """
         self._write(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
 
+    def made(self, path: Path, make: Callable[[Path], object]) -> None:
+        """Write a file as ``make`` does, which is told where.
+
+        Raises:
+            FileError: It cannot be written.
+        """
+        self._write(path, make)
+
     def _write(self, path: Path, write: Callable[[Path], object]) -> None:
         check_folder(path)
         final = path.absolute()
