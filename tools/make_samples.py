@@ -18,7 +18,7 @@ import numpy as np
 from morph_retarget.blender import registration, rig
 from morph_retarget.blender.io.save import Outbox
 
-from . import acting, acts, armatures, bodies, creatures, gait, stage, walks
+from . import acting, acts, armatures, bodies, creatures, directed, gait, stage, walks
 from .bodies import Color
 from .figure import CHIBI, Bone, Build, blender, humanoid, spaced
 from .flesh import Paint
@@ -52,6 +52,7 @@ def main(chosen: Sequence[str] = ()) -> None:
         made[f"characters/{name}.blend"] = partial(_character, name)
     for name in walks.WALKS:
         made[f"{name}.blend"] = partial(_walk, name)
+    made[f"{directed.NAME}.blend"] = _directed
     if chosen:
         made = {path: made[path] for path in chosen}
     registration.register("morph_retarget")
@@ -127,6 +128,14 @@ def _walk(name: str) -> list[bpy.types.Object]:
     _empty(name.replace("_", " ").title())
     ob = creature(walks.WALKS[name].creature)
     walks.furnish(walks.WALKS[name], ob)
+    return [ob]
+
+
+def _directed() -> list[bpy.types.Object]:
+    """Return a character that is directed."""
+    _empty(directed.NAME.replace("_", " ").title())
+    ob = creature(directed.CREATURE)
+    directed.furnish(ob)
     return [ob]
 
 

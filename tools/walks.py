@@ -59,22 +59,22 @@ def furnish(sample: Sample, ob: bpy.types.Object) -> None:
 
 def _biped(ob: bpy.types.Object) -> None:
     """Walk in curves."""
-    _checkers("Floor", *_lattice((-3.0, 3.0), (-8.0, 1.0), 0.5))
+    checkers("Floor", *lattice((-3.0, 3.0), (-8.0, 1.0), 0.5))
     path = _path([(0.0, 0.0, 0.0), (-0.9, -2.0, 0.0), (0.8, -4.4, 0.0), (-0.4, -6.9, 0.0)])
     _go(ob, source=Source.PATH.value, path=path, speed=1.3)
-    _light_and_camera((5.4, -10.6, 2.6), (-0.2, -3.6, 0.6))
+    light_and_camera((5.4, -10.6, 2.6), (-0.2, -3.6, 0.6))
 
 
 def _hound(ob: bpy.types.Object) -> None:
     """Stand, walk, trot, canter, gallop and stop; the camera goes along."""
-    _checkers("Floor", *_lattice((-2.0, 2.0), (-37.0, 3.0), 0.5))
+    checkers("Floor", *lattice((-2.0, 2.0), (-37.0, 3.0), 0.5))
     own = of_rig(ob).gait
     for frame, speed in SPEEDS.items():
         own.speed = speed
         ob.keyframe_insert(going.curve_path("speed"), frame=frame, group="Locomotion")
     for name, frame in GAITS.items():
         rig.scene_of().timeline_markers.new(name, frame=frame)
-    _light_and_camera((4.6, 0.0, 1.0), (0.0, 0.0, 0.45))
+    light_and_camera((4.6, 0.0, 1.0), (0.0, 0.0, 0.45))
     follow = rig.scene_of().camera.constraints.new("COPY_LOCATION")
     follow.target, follow.subtarget = ob, "Hips"
     follow.use_x, follow.use_z, follow.use_offset = False, False, True
@@ -82,24 +82,24 @@ def _hound(ob: bpy.types.Object) -> None:
 
 def _beetle(ob: bpy.types.Object) -> None:
     """Cross rough hills."""
-    vertices, shape = _lattice((-1.2, 1.2), (-3.8, 0.8), 0.1)
+    vertices, shape = lattice((-1.2, 1.2), (-3.8, 0.8), 0.1)
     vertices[:, 2] = _noise(vertices[:, 0], vertices[:, 1])
-    _go(ob, ground=_checkers("Hill", vertices, shape), speed=0.45, turn_rate=-0.03)
-    _light_and_camera((3.2, -4.6, 1.8), (0.0, -1.45, 0.0))
+    _go(ob, ground=checkers("Hill", vertices, shape), speed=0.45, turn_rate=-0.03)
+    light_and_camera((3.2, -4.6, 1.8), (0.0, -1.45, 0.0))
 
 
 def _snake(ob: bpy.types.Object) -> None:
     """Wind along a path."""
-    _checkers("Floor", *_lattice((-2.0, 2.0), (-4.5, 1.5), 0.25))
+    checkers("Floor", *lattice((-2.0, 2.0), (-4.5, 1.5), 0.25))
     path = _path([(0.0, 0.0, 0.0), (0.4, -1.0, 0.0), (-0.5, -2.3, 0.0), (0.2, -3.8, 0.0)])
     _go(ob, source=Source.PATH.value, path=path, speed=0.6)
-    _light_and_camera((2.6, -5.4, 2.0), (0.0, -1.6, 0.0))
+    light_and_camera((2.6, -5.4, 2.0), (0.0, -1.6, 0.0))
 
 
 def _spider(ob: bpy.types.Object) -> None:
     """Climb a stair."""
     _go(ob, ground=_stair(), speed=0.5)
-    _light_and_camera((5.2, -3.6, 1.8), (0.0, -1.55, 0.35))
+    light_and_camera((5.2, -3.6, 1.8), (0.0, -1.55, 0.35))
 
 
 WALKS: Mapping[str, Sample] = {
@@ -117,7 +117,7 @@ def _go(ob: bpy.types.Object, **settings: object) -> None:
         setattr(of_rig(ob).gait, name, value)
 
 
-def _light_and_camera(place: Point, target: Point) -> None:
+def light_and_camera(place: Point, target: Point) -> None:
     """Let the scene be rendered from a place, toward a target [m]."""
     x, y, z = np.array(target) - np.array(place)
     down, turn = float(np.arctan2(np.hypot(x, y), -z)), float(np.arctan2(-x, y))
@@ -135,18 +135,18 @@ def _path(points: Sequence[Point]) -> bpy.types.Object:
     spline.bezier_points.add(len(points) - 1)
     for corner, place in zip(spline.bezier_points, points, strict=True):
         corner.co, corner.handle_left_type, corner.handle_right_type = place, "AUTO", "AUTO"
-    return _object(curve)
+    return added(curve)
 
 
-def _lattice(x: tuple[float, float], y: tuple[float, float], cell: float) -> tuple[np.ndarray, tuple[int, int]]:
+def lattice(x: tuple[float, float], y: tuple[float, float], cell: float) -> tuple[np.ndarray, tuple[int, int]]:
     """Return points ``cell`` [m] apart on the ground, shape (point, 3), and how many lie along X and along Y."""
     across, along = (np.linspace(*ends, round((ends[1] - ends[0]) / cell) + 1) for ends in (x, y))
     places = np.stack(np.meshgrid(across, along, [0.0], indexing="ij"), axis=-1)
     return places.reshape(-1, 3), (len(across), len(along))
 
 
-def _checkers(name: str, vertices: np.ndarray, shape: tuple[int, int]) -> bpy.types.Object:
-    """Return a mesh of faces in two tints between points that lie in rows, as `_lattice` gives them."""
+def checkers(name: str, vertices: np.ndarray, shape: tuple[int, int]) -> bpy.types.Object:
+    """Return a mesh of faces in two tints between points that lie in rows, as `lattice` gives them."""
     columns, rows = shape
     corners = [(i, j) for i in range(columns - 1) for j in range(rows - 1)]
     faces = [(i * rows + j, (i + 1) * rows + j, (i + 1) * rows + j + 1, i * rows + j + 1) for i, j in corners]
@@ -157,7 +157,7 @@ def _checkers(name: str, vertices: np.ndarray, shape: tuple[int, int]) -> bpy.ty
         material.diffuse_color = (tint, 1.05 * tint, 0.95 * tint, 1.0)
         mesh.materials.append(material)
     mesh.polygons.foreach_set("material_index", np.array([(i + j) % 2 for i, j in corners], dtype=np.int32))
-    return _object(mesh)
+    return added(mesh)
 
 
 def _stair() -> bpy.types.Object:
@@ -169,7 +169,7 @@ def _stair() -> bpy.types.Object:
         profile += [(y, i * height), (y, (i + 1) * height)]
     profile.append((profile[-1][0] - 1.5, STEPS * height))
     vertices = np.array([(x, y, z) for x in np.linspace(-0.9, 0.9, 7) for y, z in profile[::-1]])
-    return _checkers("Stair", vertices, (7, len(profile)))
+    return checkers("Stair", vertices, (7, len(profile)))
 
 
 def _noise(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -184,7 +184,8 @@ def _noise(x: np.ndarray, y: np.ndarray) -> np.ndarray:
     return out * away**2 * (3.0 - 2.0 * away)
 
 
-def _object(data: bpy.types.ID) -> bpy.types.Object:
+def added(data: bpy.types.ID) -> bpy.types.Object:
+    """Return a new object of the open scene that has some data and its name."""
     ob = bpy.data.objects.new(data.name, data)
     rig.scene_of().collection.objects.link(ob)
     return ob

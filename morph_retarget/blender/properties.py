@@ -24,6 +24,8 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
+from .directing import properties as directing
+from .directing.properties import Directed
 from .locomotion import properties as locomotion
 from .locomotion.properties import Walker
 from .morph import jiggle_properties, solver_properties, values
@@ -87,7 +89,7 @@ class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
     end: IntProperty(name="End", description="Last frame on the ground", update=_changed)
 
 
-class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, bpy.types.PropertyGroup):
+class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.types.PropertyGroup):
     """What is known about one armature."""
 
     joints: CollectionProperty(
@@ -309,6 +311,7 @@ CLASSES = (
     *jiggle_properties.CLASSES,
     *solver_properties.CLASSES,
     *locomotion.CLASSES,
+    *directing.CLASSES,
     *morph.CLASSES,
     MORPHRETARGET_PG_joint,
     MORPHRETARGET_PG_contact,

@@ -147,6 +147,12 @@ def from_curves(rig: Rig, found: CurveMap, frames: Array) -> Pose:
     Raises:
         MotionError: No curve moves the object or one of its bones.
     """
+    pose, moved = bones_from_curves(rig, found, frames)
+    return _with_object(rig, found, frames, pose, moved)
+
+
+def bones_from_curves(rig: Rig, found: CurveMap, frames: Array) -> tuple[Pose, bool]:
+    """Return the pose that F-curves alone make of the bones, armature space, and whether one of them moves any."""
     count = len(rig.skeleton)
     rotations = quat.identity(len(frames), count)
     locations = np.zeros((len(frames), count, 3))
@@ -164,8 +170,7 @@ def from_curves(rig: Rig, found: CurveMap, frames: Array) -> Pose:
                 # It counts along the axes of the parent, or the armature's for roots.
                 value = quat.rotate(quat.conjugate(rig.skeleton.local_rotations[i]), value)
             locations[:, i] = value
-    pose = pose_from_basis(rig.skeleton, rotations, locations)
-    return _with_object(rig, found, frames, pose, moved)
+    return pose_from_basis(rig.skeleton, rotations, locations), moved
 
 
 def own_rotation(

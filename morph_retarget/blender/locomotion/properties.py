@@ -34,6 +34,7 @@ class Source(StrEnum):
     SPEED = "SPEED"
     PATH = "PATH"
     OWN = "OWN"
+    COMMANDS = "COMMANDS"
 
 
 AUTO = "auto"
@@ -44,6 +45,7 @@ _SOURCES: Any = [
     (Source.SPEED.value, "Speed", "It goes from where it stands, by its speed, turn rate and direction"),
     (Source.PATH.value, "Path", "It goes along a curve by its speed"),
     (Source.OWN.value, "Own", "Its object is moved already: by keys, a constraint or what it hangs on"),
+    (Source.COMMANDS.value, "Commands", "It does what its list of commands says: see Directing"),
 ]
 _MOVEMENTS: Any = [
     (AUTO, "Automatic", "On its feet, or as its shape suggests where there are none"),

@@ -3,9 +3,10 @@
 import numpy as np
 
 from ...core.character.character import Character
+from ...core.directing import director
 from ...core.locomotion import course, getting_about
 from ...core.locomotion.moving import Moving
-from .properties import MORPHRETARGET_PG_gait
+from .properties import MORPHRETARGET_PG_gait, Source
 
 STAYS = course.from_speed(np.array([0.0, 1.0]), np.zeros(2), np.zeros(2))
 """The course of what goes nowhere."""
@@ -22,4 +23,6 @@ def of(character: Character, root: int, own: MORPHRETARGET_PG_gait) -> Moving:
     Raises:
         MorphError: It cannot go in any way.
     """
+    if own.source == Source.COMMANDS:
+        return director.standing(character)
     return getting_about.prepare(character, root, STAYS, own.manner(), own.chosen_movement())

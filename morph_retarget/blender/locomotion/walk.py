@@ -8,6 +8,7 @@ import numpy as np
 from ...core import quat
 from ...core.arrays import Array
 from ...core.character.character import Character
+from ...core.directing.director import Directed
 from ...core.layering import Layer
 from ...core.locomotion import getting_about
 from ...core.locomotion.course import Course
@@ -90,7 +91,8 @@ class Walk:
         times = self.clock.times(frames)
         places, headings = self.course.at(times)
         places[:, 2] = self.gait.floors(times)
-        return Layer(self.gait.evaluate(times), places, quat.from_axis_angle(UP, headings))
+        shown = self.gait.deforms(times) if isinstance(self.gait, Directed) else {}
+        return Layer(self.gait.evaluate(times), places, quat.from_axis_angle(UP, headings), shown)
 
     def _placed(self, own: Layer, weight: Array | float, objects: Array | None) -> Layer:
         """Return a layer of the ground frame as the character sees it, with its weight."""
@@ -112,7 +114,8 @@ class Walk:
             rotation_influence=goals.rotation_influence * share[:, None],
         )
         still = quat.identity(len(turns))
-        return Layer(goals, share[:, None] * places, quat.slerp(still, turns, share))
+        shown = {key: share * curve for key, curve in own.deforms.items()}
+        return Layer(goals, share[:, None] * places, quat.slerp(still, turns, share), shown)
 
 
 def _moved(matrices: Array, points: Array) -> Array:

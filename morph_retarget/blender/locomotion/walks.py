@@ -5,7 +5,7 @@ It depends on nothing that was shown before.
 """
 
 import itertools
-from collections.abc import Container, Generator, Iterable
+from collections.abc import Callable, Container, Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,12 +16,14 @@ from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.layering import Layer
 from .. import actions
+from ..directing import orders, reading, walking
 from ..morph import cast, keys
 from ..morph.cast import Member
 from ..properties import of_rig
 from ..sampling import STEPS_PER_YIELD, set_frame
 from . import going, standing
 from .going import Clock, Going, Stepped
+from .properties import Source
 from .walk import Walk
 
 _numbers = itertools.count()
@@ -37,7 +39,7 @@ class _Known:
     """Why not."""
     member: Member
     state: tuple[object, ...]
-    """What is looked at anew with each frame: the scene's range and rate, and how much moves the object."""
+    """What is looked at anew with each frame: the scene's range and rate, how much moves the object, and markers."""
     told: tuple[object, ...]
     """All else that it depends on."""
     number: int = field(default_factory=lambda: next(_numbers))
@@ -71,6 +73,8 @@ def watches(ob: bpy.types.Object, changed: Container[object]) -> bool:
     if not own.enabled:
         return False
     found: list[object] = [cast.action_of(ob), ob]
+    if own.source == Source.COMMANDS:
+        found += reading.watched(ob)
     for other in (own.path, own.ground):
         if other is not None:
             found += [other, other.data]
@@ -138,7 +142,9 @@ def _now(member: Member, scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> 
     ob, render = member.rig.object, scene.render
     key, data = (ob.session_uid, scene.session_uid), ob.animation_data
     animated = (0, 0) if data is None else (len(data.drivers), len(data.nla_tracks))
-    state = (scene.frame_start, scene.frame_end, render.fps, render.fps_base, *animated, len(ob.constraints))
+    marked = orders.marked(ob) if of_rig(ob).gait.source == Source.COMMANDS else ()
+    rate = render.fps, render.fps_base
+    state = (scene.frame_start, scene.frame_end, *rate, *animated, len(ob.constraints), marked)
     known = _known.get(key)
     same = known is not None and known.member is member and known.state == state
     if known is not None and same and key not in _edited:
@@ -159,15 +165,37 @@ def _found(
     ob, curves = member.rig.object, keys.curves(member.action)
     clock = Clock.of(scene, curves)
     try:
-        own, settings = going.read(ob, member.character, curves, clock, graph), of_rig(ob).gait.settings()
-        movement = of_rig(ob).gait.chosen_movement()
-        told = (own.key, settings, tuple(settings.of_group.items()), movement)
+        own = going.read(ob, member.character, curves, clock, graph)
+        told, make = _asked(member, own, graph)
         if before is not None and before.told == told:
             return before
-        return _Known(Walk.of(member.character, member.root, own, settings, movement), "", member, state, told)
+        return _Known(make(), "", member, state, told)
     except MorphError as error:
         assert member.gait is not None, "only those that go are asked for"
         return _Known(Walk(member.gait, standing.STAYS, clock), str(error), member, state, ())
+
+
+def _asked(
+    member: Member, own: Going, graph: bpy.types.Depsgraph, targets: Mapping[str, Array] | None = None
+) -> tuple[tuple[object, ...], Callable[[], Walk]]:
+    """Return what the way of a character depends on, and what makes it of that.
+
+    Args:
+        member: The character.
+        own: Where it goes.
+        graph: Gives what it is told about.
+        targets: Where that is at the frames of the clock, each shape (frame, 3), where frames were stepped through.
+
+    Raises:
+        MotionError: A target can be known by stepping alone.
+    """
+    ob, character, root = member.rig.object, member.character, member.root
+    if own.source is Source.COMMANDS:
+        briefing = reading.read(ob, own.clock, graph, own.from_world, character.frame.height, targets)
+        return (own.key, briefing.key, member.solver), lambda: walking.walk_of(character, own, briefing, member.solver)
+    settings, movement = of_rig(ob).gait.settings(), of_rig(ob).gait.chosen_movement()
+    told = (own.key, settings, tuple(settings.of_group.items()), movement)
+    return told, lambda: Walk.of(character, root, own, settings, movement)
 
 
 # --- many frames at once ---
@@ -238,21 +266,18 @@ def taken(member: Member, scene: bpy.types.Scene, frames: Array, rate: float) ->
         return None
     ob, curves = member.rig.object, keys.curves(member.action)
     clock = Clock.of(scene, curves, float(frames[0]), rate, float(frames[-1]))
-    if not going.reasons_to_step(ob):
-        own = going.read(ob, member.character, curves, clock, bpy.context.evaluated_depsgraph_get())
-        return Taken(member, _walk(member, own))
+    directed = of_rig(ob).gait.source == Source.COMMANDS
+    if not going.reasons_to_step(ob) and not (directed and reading.reasons_to_step(ob)):
+        graph = bpy.context.evaluated_depsgraph_get()
+        own = going.read(ob, member.character, curves, clock, graph)
+        return Taken(member, _asked(member, own, graph)[1]())
     every = np.union1d(clock.frames, frames)
-    stepped, weights = yield from _stepped(ob, scene, every)
+    stepped, weights, targets = yield from _stepped(ob, scene, every, clock if directed else None)
     whole = np.searchsorted(every, clock.frames)
-    at_whole = Stepped(stepped.moves[whole], stepped.matrices[whole])
-    own = going.read(ob, member.character, curves, clock, bpy.context.evaluated_depsgraph_get(), at_whole)
-    walk = _walk(member, own)
+    at_whole, graph = Stepped(stepped.moves[whole], stepped.matrices[whole]), bpy.context.evaluated_depsgraph_get()
+    own = going.read(ob, member.character, curves, clock, graph, at_whole)
+    walk = _asked(member, own, graph, {name: places[whole] for name, places in targets.items()})[1]()
     return Taken(member, walk, every, weights, stepped.matrices)
-
-
-def _walk(member: Member, own: Going) -> Walk:
-    settings = of_rig(member.rig.object).gait
-    return Walk.of(member.character, member.root, own, settings.settings(), settings.chosen_movement())
 
 
 @dataclass(frozen=True, eq=False)
@@ -282,16 +307,23 @@ class Taken:
 
 
 def _stepped(
-    ob: bpy.types.Object, scene: bpy.types.Scene, frames: Array
-) -> Generator[float, None, tuple[Stepped, Array]]:
-    """Read each frame as Blender evaluates it; yields the share done."""
+    ob: bpy.types.Object, scene: bpy.types.Scene, frames: Array, directed: Clock | None
+) -> Generator[float, None, tuple[Stepped, Array, Mapping[str, Array]]]:
+    """Read each frame as Blender evaluates it; yields the share done.
+
+    Returns:
+        How it goes, how much that counts, and where the targets are of one that is directed over the frames of a clock.
+    """
     before = scene.frame_current_final
     moves, weights = np.empty((len(frames), len(going.MOVES))), np.empty(len(frames))
-    matrices = np.empty((len(frames), 4, 4))
+    matrices, places = np.empty((len(frames), 4, 4)), list[Mapping[str, Array]]()
     try:
         for i, frame in enumerate(frames.tolist()):
             set_frame(scene, frame)
-            seen = ob.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            graph = bpy.context.evaluated_depsgraph_get()
+            seen = ob.evaluated_get(graph)
+            if directed is not None:
+                places.append(reading.places_now(ob, graph))
             own = of_rig(seen).gait
             moves[i] = [getattr(own, name) for name in going.MOVES]
             weights[i], matrices[i] = own.weight, np.array(seen.matrix_world, dtype=np.float64)
@@ -299,4 +331,5 @@ def _stepped(
                 yield i / len(frames)
     finally:
         set_frame(scene, before)
-    return Stepped(moves, matrices), weights
+    targets = {name: np.stack([now[name] for now in places]) for name in (places[0] if places else ())}
+    return Stepped(moves, matrices), weights, targets

@@ -20,6 +20,8 @@ from ...core.morph.branch import Answer
 from ...core.morph.channels import MirrorRule, SideConstraint, TargetKind
 from ...core.morph.context import Depth, Extent, Height, LimbModifier, Side, Space
 from ...core.morph.movement import PositionMode, RotationMode, ScaleMode
+from ..directing import annotations
+from ..directing.annotations import Annotated
 
 Listener = Callable[[bpy.types.ID], None]
 definition_listeners: list[Listener] = []
@@ -338,8 +340,8 @@ def _answer(what: str) -> Any:
     )
 
 
-class MORPHRETARGET_PG_action(bpy.types.PropertyGroup):
-    """What makes an action a generalized one."""
+class MORPHRETARGET_PG_action(Annotated, bpy.types.PropertyGroup):
+    """What makes an action a generalized one, or a base motion."""
 
     version: IntProperty(name="Data Version", description="Form of this data, for upgrades", default=0)
     channels: CollectionProperty(
@@ -380,6 +382,7 @@ def of_action(action: bpy.types.ID | None) -> MORPHRETARGET_PG_action:
 CLASSES = (
     MORPHRETARGET_PG_context,
     MORPHRETARGET_PG_channel,
+    *annotations.CLASSES,
     MORPHRETARGET_PG_action,
 )
 

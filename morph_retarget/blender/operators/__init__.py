@@ -1,19 +1,23 @@
 """Everything that buttons and scripts can do; each operator is thin: collect, one call, write, one report."""
 
 from . import (
+    annotations,
     channel_list,
     channel_presets,
     contacts,
+    directing,
     generalized,
     jiggling,
     joints,
     keying,
+    libraries,
     live,
     locomotion,
     performing,
     presets,
     retargeting,
     rigs,
+    scripts,
     selecting,
     solving,
 )
@@ -34,4 +38,8 @@ CLASSES = (
     *jiggling.CLASSES,
     *solving.CLASSES,
     *locomotion.CLASSES,
+    *directing.CLASSES,
+    *scripts.CLASSES,
+    *annotations.CLASSES,
+    *libraries.CLASSES,
 )

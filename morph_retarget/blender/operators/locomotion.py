@@ -1,5 +1,7 @@
 """Locomotion: letting characters go over the ground, mixing styles, keying how they go."""
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
@@ -43,16 +45,21 @@ class MORPHRETARGET_OT_add_locomotion(bpy.types.Operator):
         for ob in found:
             _, character, bodies = cast.analysed(ob)
             standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
-        idle = [ob for ob in found if cast.action_of(ob) is None]
-        if idle:
-            action = bpy.data.actions.new(NAME)
-            action.use_fake_user = True
-            definitions.make(action)
-            let_play(idle, action)
+        give_empty_action(found, NAME)
         for ob in found:
             of_rig(ob).gait.enabled = True
         self.report({"INFO"}, f"{listed([ob.name for ob in found], 3)} can go now: set a speed or a path")
         return {"FINISHED"}
+
+
+def give_empty_action(characters: Sequence[bpy.types.Object], name: str) -> None:
+    """Let characters that play nothing play a new action without channels, so that they are live."""
+    idle = [ob for ob in characters if cast.action_of(ob) is None]
+    if idle:
+        action = bpy.data.actions.new(name)
+        action.use_fake_user = True
+        definitions.make(action)
+        let_play(idle, action)
 
 
 class MORPHRETARGET_OT_remove_locomotion(bpy.types.Operator):

@@ -1,13 +1,16 @@
 """What the window shows: the tab in the 3D viewport's sidebar."""
 
 from . import (
+    annotation_panel,
     channel_binding,
     channel_panels,
     channel_values,
+    directing_panel,
     generalized,
     jiggle_panel,
     joint_list,
     locomotion_panel,
+    motion_tree,
     panels,
     solver_panel,
 )
@@ -21,5 +24,8 @@ CLASSES = (
     *channel_binding.CLASSES,
     *solver_panel.CLASSES,
     *locomotion_panel.CLASSES,
+    *directing_panel.CLASSES,
+    *motion_tree.CLASSES,
+    *annotation_panel.CLASSES,
     *jiggle_panel.CLASSES,
 )

@@ -1,0 +1,70 @@
+"""Scripts of commands for the command line: characters that do what a file tells them."""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+
+from ...core.errors import FileError
+from ...core.morph.bind import GeneralizedAction
+from .. import rig
+from ..directing import scripts
+from ..locomotion.properties import Source
+from ..morph import cast
+from ..properties import of_rig
+from ..sampling import seconds_per_frame
+from .locomotion import NoAction
+
+SUFFIXES = (scripts.TABLES, *scripts.MARKUP)
+AFTER = 3.0
+"""A character goes on for so long after its last command, where no frames are asked for [s]."""
+
+
+@dataclass(frozen=True)
+class ScriptFile(NoAction):
+    """In place of a file with an action: one with commands."""
+
+    script: Path = field(default_factory=Path)
+
+
+def is_script(text: str) -> bool:
+    """Return whether what shall be played is a script."""
+    return text.lower().endswith(SUFFIXES)
+
+
+def found(text: str) -> ScriptFile:
+    """Return a script that shall be played.
+
+    Raises:
+        FileError: There is no such file.
+    """
+    path = Path(text)
+    if not path.is_file():
+        raise FileError(f"{path}: no such file: check the path")
+    render = rig.scene_of().render
+    return ScriptFile(None, path.stem, GeneralizedAction(path.stem, ()), render.fps / render.fps_base, path)
+
+
+def tell(source: ScriptFile, ob: bpy.types.Object) -> list[str]:
+    """Tell a character what a script says, at the frame rate that its scene has, and return warnings.
+
+    Raises:
+        FileError: The file is no script.
+    """
+    scene = rig.scene_of()
+    told = scripts.load(source.script, 1.0 / seconds_per_frame(scene))
+    own = of_rig(ob)
+    own.gait.enabled, own.gait.source = True, Source.COMMANDS.value
+    own.directing.clear()
+    _, character, _ = cast.analysed(ob)
+    warnings = scripts.bring_in(ob, character, told, scene, source.script.parent)
+    cast.forget(ob)
+    return warnings
+
+
+def frames(ob: bpy.types.Object) -> tuple[int, int]:
+    """Return the first and last frame in which a character does what it was told."""
+    scene = rig.scene_of()
+    last = max((command.frame for command in of_rig(ob).directing.commands), default=scene.frame_start)
+    return scene.frame_start, math.ceil(last + AFTER / seconds_per_frame(scene))

@@ -1,0 +1,218 @@
+"""Directed characters while something is edited: commands, markers, targets, obstacles and libraries."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
+from morph_retarget.blender.locomotion import walks
+from morph_retarget.blender.morph import cast
+from morph_retarget.blender.properties import of_rig
+from morph_retarget.core.arrays import Array
+from tests.blender import acting, acts, window
+
+ops = bpy.ops.morph_retarget
+NEAR = 1e-6
+FRAME = 60
+
+
+@pytest.fixture(autouse=True)
+def _registered() -> Iterator[None]:
+    with window.registered():
+        bpy.context.scene.frame_end = 90
+        yield
+
+
+def _directed() -> bpy.types.Object:
+    """Return a creature that walks from frame 10 on, at a frame at which it does."""
+    ob = acts.creature("biped")
+    bpy.context.view_layer.objects.active = ob
+    ops.direct(character=ob.name)
+    _own(ob).command(10, "start", "walk")
+    bpy.context.scene.frame_set(FRAME)
+    return ob
+
+
+def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
+    return of_rig(ob).directing
+
+
+def _pose(ob: bpy.types.Object) -> Array:
+    """Return what Blender shows of a character after an edit, with nothing wrong about it."""
+    bpy.context.view_layer.update()
+    assert not cast.problems
+    assert not walks.problems
+    return acts.pose(ob)
+
+
+def _apart(a: Array, b: Array) -> float:
+    return float(np.abs(a - b).max())
+
+
+def _set_speed(ob: bpy.types.Object) -> None:
+    _own(ob).commands[0].set("speed", 0.6)
+
+
+def _mute(ob: bpy.types.Object) -> None:
+    _own(ob).commands[0].mute = True
+
+
+def _move(ob: bpy.types.Object) -> None:
+    _own(ob).commands[0].frame = 20
+
+
+def _add_marker(ob: bpy.types.Object) -> None:
+    cast.action_of(ob).pose_markers.new("stop walk").frame = 30
+
+
+def _tell_more(ob: bpy.types.Object) -> None:
+    ops.add_command(character=ob.name, verb="stop", model="walk")
+    ops.move_command(character=ob.name)
+    _own(ob).commands[1].frame = 30
+
+
+@pytest.mark.parametrize("edit", [_set_speed, _mute, _move, _add_marker, _tell_more])
+def test_an_edit_of_what_it_is_told_is_followed_at_once_and_taken_back(
+    edit: Callable[[bpy.types.Object], None],
+) -> None:
+    name = _directed().name
+
+    def pose() -> Array:
+        return _pose(bpy.data.objects[name])
+
+    bpy.ops.ed.undo_push(message="start")
+    before = pose()
+    edit(bpy.data.objects[name])
+    after = pose()
+    assert _apart(after, before) > 0.05
+    bpy.ops.ed.undo_push(message="edit")
+    bpy.ops.ed.undo()
+    assert _apart(pose(), before) < NEAR
+    bpy.ops.ed.redo()
+    assert _apart(pose(), after) < NEAR
+
+
+def test_a_marker_that_is_dragged_moves_its_command() -> None:
+    ob = _directed()
+    _own(ob).clear()
+    marker = cast.action_of(ob).pose_markers.new("start walk")
+    marker.frame = 10
+    early = _pose(ob)
+    marker.frame = 40
+    late = _pose(ob)
+    assert _apart(early, late) > 0.3
+    marker.frame = 10
+    assert _apart(_pose(ob), early) < NEAR
+
+
+def test_a_marker_is_looked_at_with_each_frame_since_blender_tells_nobody_of_drags(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    ob = _directed()
+    marker = cast.action_of(ob).pose_markers.new("stop walk")
+    marker.frame = 30
+    early = _pose(ob)
+    monkeypatch.setattr(walks, "edited", lambda _: None)
+    marker.frame = 55
+    bpy.context.scene.frame_set(FRAME + 1)
+    bpy.context.scene.frame_set(FRAME)
+    assert _apart(_pose(ob), early) > 0.1
+
+
+def test_a_target_that_is_moved_or_keyed_is_looked_at() -> None:
+    ob = _directed()
+    ball = acts.empty_object("Ball", (2.0, -3.0, 1.5))
+    _own(ob).command(1, "start", "gaze", target=ball)
+    before = _pose(ob)
+    ball.location.x = -2.0
+    moved = _pose(ob)
+    assert _apart(moved, before) > 0.1
+    ball.location.x = 2.0
+    assert _apart(_pose(ob), before) < NEAR
+    for frame, x in ((1, 2.0), (40, -2.0)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    assert _apart(_pose(ob), before) > 0.1
+
+
+def test_an_obstacle_that_is_put_in_the_way_is_walked_around() -> None:
+    ob = _directed()
+    _own(ob).clear()
+    _own(ob).command(1, "start", "go", target=acts.empty_object("There", (0.0, -6.0, 0.0)))
+    bpy.context.scene.frame_end = 200
+    bpy.context.view_layer.update()
+    _pose(ob)
+    assert np.abs(_course(ob)[:, 0]).max() < 0.3
+    bpy.ops.mesh.primitive_cube_add(size=1.0, location=(0.05, -3.0, 0.5))
+    block = bpy.context.object
+    _own(ob).obstacles = around = bpy.data.collections.new("Around")
+    around.objects.link(block)
+    _pose(ob)
+    course = _course(ob)
+    beside = course[np.abs(course[:, 1] + 3.0) < 0.4]
+    assert np.abs(beside[:, 0]).min() > 0.5
+    block.location.x = 5.0
+    _pose(ob)
+    assert np.abs(_course(ob)[:, 0]).max() < 0.3
+
+
+def _course(ob: bpy.types.Object) -> Array:
+    """Return where the body goes over all frames of the scene [m], shape (frame, 2)."""
+    walk = walks.known(ob, bpy.context.scene)
+    assert walk is not None
+    places, _ = walk.course.at(walk.clock.times(walk.clock.frames))
+    return places[:, :2]
+
+
+def test_another_library_is_used_at_once(tmp_path: Path) -> None:
+    ob = _directed()
+    before = _pose(ob)
+    ops.save_library(character=ob.name, filepath=str(tmp_path / "mine.npz"))
+    _own(ob).library = str(tmp_path / "mine.npz")
+    assert _apart(_pose(ob), before) < 0.1, "the same motions, transferred as those of any body"
+    _own(ob).library = str(tmp_path / "none.npz")
+    bpy.context.view_layer.update()
+    assert "none.npz" in walks.problems[ob.session_uid]
+    _own(ob).library = ""
+    assert _apart(_pose(ob), before) < NEAR
+
+
+def test_what_a_character_is_told_is_baked_as_it_was_shown() -> None:
+    ob = _directed()
+    ball = acts.empty_object("Ball", (2.0, -3.0, 1.5))
+    _own(ob).command(20, "start", "gaze", target=ball)
+    _own(ob).command(60, "stop", "walk")
+    frames = [1, 15, 40, 61, 90]
+    live = acting.shown(ob, frames)
+    acting.baked(ob)
+    assert _apart(acting.shown(ob, frames), live) < 1e-5
+
+
+def test_a_target_that_drivers_move_is_followed_when_it_is_baked() -> None:
+    ob = _directed()
+    ball = acts.empty_object("Ball", (0.0, -3.0, 1.5))
+    ball.driver_add("location", 0).driver.expression = "2.0 - 0.05 * frame"
+    _own(ob).command(1, "start", "gaze", target=ball)
+    bpy.context.view_layer.update()
+    assert "followed when 'Biped' is baked" in walks.problems[ob.session_uid]
+    acting.baked(ob)
+    driven = acting.shown(ob, [20, 80])
+    assert _apart(driven[0], driven[1]) > 0.1
+
+
+def test_a_generalized_action_plays_on_top_of_commands() -> None:
+    ob = acts.creature("biped")
+    acting.dip(ob)
+    bpy.context.view_layer.objects.active = ob
+    still = acting.shown(ob, [11])
+    ops.direct(character=ob.name)
+    assert cast.action_of(ob).name == "Dip"
+    _own(ob).command(-40, "start", "walk")
+    going = acting.shown(ob, [11])
+    names = [bone.name for bone in ob.pose.bones]
+    hand, hips = names.index("Hand.L"), names.index("Hips")
+    assert (going[0, hand] - going[0, hips])[2] == pytest.approx((still[0, hand] - still[0, hips])[2], abs=0.15)
+    assert going[0, hips, 1] < still[0, hips, 1] - 0.05
