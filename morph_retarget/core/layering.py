@@ -5,12 +5,13 @@ alone are posed by the lower one. The upper layer was made for a body that stand
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from . import quat
 from .arrays import Array
+from .morph.specialize import Deforms
 from .solve.goals import Goals
 
 Wanted = Sequence[tuple[int, bool, bool]]
@@ -26,6 +27,8 @@ class Layer:
     """Where the ground under the body has moved to [m], character frame, shape (frame, 3)."""
     turns: Array
     """How the body as a whole is turned, shape (frame, 4)."""
+    deforms: Deforms = field(default_factory=dict[tuple[int, str], Array])
+    """Scalar curves beside the pose."""
 
     def at(self, frames: slice) -> "Layer":
         """Return the layer at some frames of the clip."""
@@ -37,7 +40,7 @@ class Layer:
             own.position_influence[frames],
             own.rotation_influence[frames],
         )
-        return Layer(goals, self.places[frames], self.turns[frames])
+        return Layer(goals, self.places[frames], self.turns[frames], {k: v[frames] for k, v in self.deforms.items()})
 
     def seen(self, places: Mapping[int, Array]) -> Mapping[int, Array]:
         """Return targets [m] as the moved body sees them, shapes (frame or 1, 3) to (frame, 3)."""

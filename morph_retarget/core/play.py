@@ -183,6 +183,8 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array], lower: L
     if pose.shifts is not None:
         stretched = Stretched(part.stretching, pose.shifts @ part.to_local.rotation.T * part.to_local.scale)
     deforms = specialize.deforms_of(part.binding, values)
+    if lower is not None and lower.deforms:
+        deforms = {**lower.deforms, **deforms}
     return Played(part.bones, basis, part.pose.root, shift, goals, pose, deforms, followed, stretched)
 
 

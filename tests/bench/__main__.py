@@ -12,13 +12,30 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import core, gait, ik, jiggle, length, live, mapping, mesh, perform, playback, retarget, transfer
+from . import (
+    annotations,
+    clips,
+    core,
+    directing,
+    gait,
+    ik,
+    jiggle,
+    length,
+    live,
+    mapping,
+    mesh,
+    perform,
+    playback,
+    retarget,
+    transfer,
+)
 from .figures import Figure, table
 
 BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "mapping": mapping.run,
     "transfer": transfer.run,
     "core": core.run,
+    "clips": clips.run,
     "retarget": retarget.run,
     "mesh": mesh.run,
     "length": length.run,
@@ -28,6 +45,8 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "jiggle": jiggle.run,
     "ik": ik.run,
     "gait": gait.run,
+    "annotations": annotations.run,
+    "directing": directing.run,
 }
 
 
