@@ -20,7 +20,7 @@ from morph_retarget.blender.io.load import Request
 from morph_retarget.blender.morph import cast
 from morph_retarget.blender.properties import of_rig
 
-from . import acting, acts, footfalls, sheet, stage
+from . import acting, acts, directed, footfalls, sheet, stage
 
 ROOT = Path(__file__).resolve().parent.parent
 SAMPLES = ROOT / "sample_blends"
@@ -40,6 +40,11 @@ GAITS_SHOWN = "gaits_hound"
 """The sample of which the footfalls are shown."""
 
 
+DIRECTED: Mapping[str, Sequence[float]] = {
+    "walk, wave": (1.0, 38.0, 58.0, 78.0, 92.0, 104.0, 118.0, 132.0),
+    "faster, gaze, stop, pick up": (165.0, 190.0, 208.0, 235.0, 295.0, 307.0, 320.0, 345.0),
+}
+"""Frames of the sample of a directed character that are shown, by what it does."""
 VALIDATED = ("Wave by Hand", "Wave by Paw", "Hand to Mouth", "Paw to Mouth", "Pick Up by Hand", "Bow", "Jump", "Dance")
 """The sample actions of the grid that is shown."""
 
@@ -49,6 +54,7 @@ def main() -> None:
     draw_actions()
     draw_locomotion()
     draw_validation()
+    draw_directed()
 
 
 def draw_actions() -> None:
@@ -82,6 +88,20 @@ def draw_locomotion() -> None:
             for i, part in enumerate(parts):
                 whole.paste(part, (0, sum(p.height for p in parts[:i])))
             whole.quantize(128, Image.Quantize.MAXCOVERAGE, kmeans=4).save(IMAGES / "locomotion.png", optimize=True)
+    finally:
+        registration.unregister()
+
+
+def draw_directed() -> None:
+    """Draw the sample scene of a directed character."""
+    registration.register("morph_retarget")
+    try:
+        ob = opened(directed.NAME)
+        with tempfile.TemporaryDirectory() as folder:
+            rows = [sheet.Row(title, ob, frames) for title, frames in DIRECTED.items()]
+            sheet.contact_sheet(Path(folder, "directed.png"), rows, (-62.0, 8.0), (118, 120))
+            with Image.open(Path(folder, "directed.png")) as drawn:
+                drawn.quantize(160).save(IMAGES / "directed.png", optimize=True)
     finally:
         registration.unregister()
 
