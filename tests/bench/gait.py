@@ -162,7 +162,7 @@ def _figures(rows: Sequence[Row]) -> Iterator[Figure]:
     yield from _worst("steps off the style's", steady, [row.triggers for row in steady], "cycles", 0.02)
     yield from _worst("turn in a frame of 1/24 s", level, [row.jump for row in level], "°", 25.0)
     yield from _worst("frames with a knee flipped", rows, [float(row.flips) for row in rows], "frames", 0.0)
-    yield from _worst("flying feet under the ground", rows, [row.sink for row in rows], "% of a leg", None)
+    yield from _worst("flying feet under the ground", rows, [row.sink for row in rows], "% of a leg", 1.0)
 
 
 def _worst(title: str, rows: Sequence[Row], values: Sequence[float], unit: str, goal: float | None) -> Iterator[Figure]:

@@ -12,7 +12,7 @@ from morph_retarget.blender.locomotion import walks
 from morph_retarget.blender.morph import cast
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
-from tests.blender import acting, acts, window
+from tests.blender import acting, acts, scenes, window
 
 ops = bpy.ops.morph_retarget
 NEAR = 1e-6
@@ -65,11 +65,11 @@ def _move(ob: bpy.types.Object) -> None:
 
 
 def _add_marker(ob: bpy.types.Object) -> None:
-    cast.action_of(ob).pose_markers.new("stop walk").frame = 30
+    cast.action_of(ob).pose_markers.new("reset walk").frame = 30
 
 
 def _tell_more(ob: bpy.types.Object) -> None:
-    ops.add_command(character=ob.name, verb="stop", model="walk")
+    ops.add_command(character=ob.name, verb="reset", model="walk")
     ops.move_command(character=ob.name)
     _own(ob).commands[1].frame = 30
 
@@ -112,7 +112,7 @@ def test_a_marker_is_looked_at_with_each_frame_since_blender_tells_nobody_of_dra
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     ob = _directed()
-    marker = cast.action_of(ob).pose_markers.new("stop walk")
+    marker = cast.action_of(ob).pose_markers.new("reset walk")
     marker.frame = 30
     early = _pose(ob)
     monkeypatch.setattr(walks, "edited", lambda _: None)
@@ -216,3 +216,24 @@ def test_a_generalized_action_plays_on_top_of_commands() -> None:
     hand, hips = names.index("Hand.L"), names.index("Hips")
     assert (going[0, hand] - going[0, hips])[2] == pytest.approx((still[0, hand] - still[0, hips])[2], abs=0.15)
     assert going[0, hips, 1] < still[0, hips, 1] - 0.05
+
+
+def test_a_loaded_file_shows_what_was_shown(tmp_path: Path) -> None:
+    name = _directed().name
+    _own(bpy.data.objects[name]).command(20, "start", "gaze", target=acts.empty_object("Ball", (2.0, -3.0, 1.5)))
+    before = _pose(bpy.data.objects[name])
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bpy.context.scene.frame_set(FRAME)
+    assert _apart(_pose(bpy.data.objects[name]), before) < NEAR
+
+
+def test_a_render_shows_the_character_where_commands_have_led_it(tmp_path: Path) -> None:
+    ob = acts.character("biped")
+    bpy.context.view_layer.objects.active = ob
+    ops.direct(character=ob.name)
+    _own(ob).command(10, "start", "walk")
+    scenes.close_up(scenes.heads(ob, ["Hips"], [80])[0, 0], 0.05)
+    bpy.context.scene.frame_set(1)
+    assert [scenes.covered(frame, tmp_path, str(frame)).max() for frame in (80, 1)] == [1.0, 0.0]

@@ -28,6 +28,8 @@ SLIP = 1e-3
 """What stands moves no further [leg lengths]."""
 GAP = 5e-3
 """Soles that stand are no further off the ground [leg lengths]."""
+CLEAR = 0.01
+"""Flying feet go no deeper into steps and hills [leg lengths]."""
 EARLY = 0.02
 """Steps come no earlier or later than the style wants them, and stand no longer or shorter [cycles]."""
 QUICK = 25.0 * 24.0 / 0.84
@@ -66,6 +68,7 @@ def _cases(courses: Sequence[str], known: Mapping[tuple[str, str], str]) -> list
 @cache
 def _subjects() -> Mapping[str, Subject]:
     made = {"three feet": crawler(3), "long and short legs": crawler(6, sizes=(1.0, 0.5, 0.5))}
+    made |= {f"{feet} feet": crawler(feet) for feet in (6, 7, 12)}
     odd = {name: analyze(skeleton_of(bones)) for name, bones in made.items()}
     return {name: Subject(character) for name, character in {**goal_sets.creatures(), **odd}.items()}
 
@@ -96,6 +99,10 @@ def test_what_stands_of_a_foot_does_not_move(name: str, course: str) -> None:
     assert gait_measures.slips(_walked(name, course)).max() < SLIP
 
 
+def test_feet_of_many_stand_still_though_the_body_sets_out_at_once() -> None:
+    assert gait_measures.slips(_walked("6 feet", "stop-and-go")).max() < SLIP
+
+
 @pytest.mark.parametrize(("name", "course"), _cases(COURSES, {}))
 def test_soles_that_stand_are_on_the_ground(name: str, course: str) -> None:
     assert gait_measures.gaps(_walked(name, course)).max() < GAP
@@ -105,6 +112,22 @@ def test_soles_that_stand_are_on_the_ground(name: str, course: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_feet_do_not_fly_through_level_ground(name: str, course: str) -> None:
     assert gait_measures.sinks(_walked(name, course)).max() < GAP
+
+
+@pytest.mark.parametrize("course", ["stairs", "hill"])
+@pytest.mark.parametrize("name", NAMES)
+def test_flying_feet_clear_edges_and_humps(name: str, course: str) -> None:
+    assert gait_measures.sinks(_walked(name, course)).max() < CLEAR
+
+
+@pytest.mark.parametrize("feet", [7, 12])
+def test_long_bodies_bend_over_what_they_go_on(feet: int) -> None:
+    walked = _walked(f"{feet} feet", "stairs")
+    assert gait_measures.slips(walked).max() < SLIP
+    assert gait_measures.gaps(walked).max() < GAP
+    spine = [walked.subject.bodies.names.index(f"spine{i}") for i in range((feet + 1) // 2)]
+    level = quat.rotate(walked.turns[:, spine], np.array([0.0, -1.0, 0.0]))
+    assert np.degrees(np.ptp(np.arcsin(level[..., 2]), axis=1)).max() > 20.0
 
 
 @pytest.mark.parametrize("course", STEADY)

@@ -1,6 +1,7 @@
 """``retarget SOURCE TARGET… -o OUT``: give a clip to one or more rigs."""
 
 import argparse
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,16 +29,21 @@ def add_to(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--out", required=True, help="result (.blend .glb .fbx .bvh); {source}, {target}, {action} are filled in"
     )
-    parser.add_argument("--map", metavar="FILE", help="joint map for the targets (JSON, as map --json prints it)")
-    parser.add_argument("--source-map", metavar="FILE", help="joint map for the source")
-    parser.add_argument("--source-armature", metavar="NAME", help="which armature of the source, as --armature")
     parser.add_argument(
         "--report", metavar="FILE", help="write what was done and measured, as a JSON list with one entry a pair"
     )
+    add_options(parser)
+    parser.set_defaults(run=run)
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options that tell how a pair is retargeted."""
+    parser.add_argument("--map", metavar="FILE", help="joint map for the targets (JSON, as map --json prints it)")
+    parser.add_argument("--source-map", metavar="FILE", help="joint map for the source")
+    parser.add_argument("--source-armature", metavar="NAME", help="which armature of the source, as --armature")
     add_rig_options(parser)
     _add_transfer_options(parser.add_argument_group("transfer"))
     _add_key_options(parser.add_argument_group("keys"))
-    parser.set_defaults(run=run)
 
 
 def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore[reportPrivateUsage] - it has no public name
@@ -95,16 +101,43 @@ class _Job:
     overrides: Overrides
 
 
+@dataclass(frozen=True)
+class Done:
+    """What came of it."""
+
+    reports: Sequence[dict[str, object]]
+    """One for each pair."""
+    warnings: Sequence[str]
+    files: Sequence[Path]
+    """Results that were written, without the report."""
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Retarget all pairs and write the results: all of them, or none."""
+    for text in dict.fromkeys(perform(arguments).warnings):
+        say(f"warning: {text}")
+    return 0
+
+
+def perform(arguments: argparse.Namespace, fresh: bool = False) -> Done:
+    """Retarget all pairs and write the results: all of them, or none.
+
+    Args:
+        arguments: As `add_to` describes them.
+        fresh: Refuse to replace files.
+
+    Raises:
+        MorphError: The request or an input cannot be used.
+    """
     target_map, source_map = _read_map(arguments.map), _read_map(arguments.source_map)
     outputs = Outputs(str(arguments.out), arguments.source, arguments.targets, arguments.report)
-    job = _Job(arguments, outputs, _options(arguments), Overrides(*axes(arguments), joints=target_map))
+    job = _Job(arguments, outputs, options_of(arguments), Overrides(*axes(arguments), joints=target_map))
     _check(job)
     sources = _read_sources(job, source_map)
     reports: list[dict[str, object]] = []
     warnings: list[str] = []
     kept: list[bpy.types.Object] = []
+    files: list[Path] = []
     with save.Outbox() as outbox:
         for i, text in enumerate(arguments.targets):
             ob, label = open_rig(text, arguments.armature, fresh=outputs.separate or i == 0)
@@ -118,14 +151,20 @@ def run(arguments: argparse.Namespace) -> int:
                 reports.append(outcome.report | {"source": named, "target": text})
                 warnings += outcome.warnings
                 if outputs.separate:
-                    outbox.rigs(outputs.path(text, source.clip.name), [ob])
+                    files.append(_free(outputs.path(text, source.clip.name), fresh))
+                    outbox.rigs(files[-1], [ob])
             kept.append(ob)
         if not outputs.separate:
-            outbox.rigs(Path(outputs.template), kept)
+            files.append(_free(Path(outputs.template), fresh))
+            outbox.rigs(files[-1], kept)
         outputs.write_report(outbox, reports)
-    for text in dict.fromkeys(warnings):
-        say(f"warning: {text}")
-    return 0
+    return Done(reports, warnings, files)
+
+
+def _free(path: Path, fresh: bool) -> Path:
+    if fresh and path.exists():
+        raise FileError(f"{path}: is there already: move it away, or ask to overwrite it")
+    return path
 
 
 def _check(job: _Job) -> None:
@@ -161,7 +200,12 @@ def _ground_object(name: str) -> bpy.types.Object:
     return found
 
 
-def _options(arguments: argparse.Namespace) -> Options:
+def options_of(arguments: argparse.Namespace) -> Options:
+    """Return what the options ask for.
+
+    Raises:
+        MotionError: The reference is no frame, or the name of the action has unknown fields.
+    """
     kind, frame = Reference.AUTO, 1
     if arguments.reference in ("auto", "rest"):
         kind = Reference(arguments.reference)

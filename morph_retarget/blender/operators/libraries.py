@@ -62,7 +62,7 @@ class MORPHRETARGET_OT_build_library(Stepping, bpy.types.Operator):
         if not wanted and not files:
             names = listed([other.name for other in obs])
             raise MotionError(f"no action moves {names}: select armatures that move, or choose a folder of clips")
-        library = Library(model_of(character)) if kept is None else libraries.read(kept)
+        library = Library(model_of(character)) if kept is None else library_file.load(kept)
         assert context.view_layer is not None, "operators run in a window with a scene"
         return _built(ob, library, path, wanted, files, scene_in(context), context.view_layer)
 
@@ -144,7 +144,7 @@ class MORPHRETARGET_OT_save_library(bpy.types.Operator, ExportHelper):
         ob, path = armature_meant(context, self.character), Path(self.properties.filepath)
         own = of_rig(ob).directing.library_path
         _, character, _ = cast.analysed(ob)
-        library = starter.starter(character) if own is None else libraries.read(own)
+        library = starter.starter(character) if own is None else library_file.load(own)
         library_file.save(library, path)
         self.report({"INFO"}, f"Wrote {len(library)} motions to {path.name}")
         return {"FINISHED"}
@@ -168,7 +168,7 @@ class MORPHRETARGET_OT_load_library(bpy.types.Operator, ImportHelper):
     def execute(self, context: bpy.types.Context) -> Status:
         ob = armature_meant(context, self.character)
         own, path = directing_of(ob), Path(self.properties.filepath)
-        library = libraries.read(path)
+        library = library_file.load(path)
         if not len(library):
             raise RigError(f"{path.name} has no motions: build it again")
         own.library = libraries.text_of(path)

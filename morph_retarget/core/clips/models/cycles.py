@@ -66,10 +66,10 @@ class Cycle:
 
     def is_like(self, other: "Cycle") -> bool:
         """Return whether another cycle is the same motion, however fast it is played."""
-        alike = [np.allclose(a, b, rtol=LIKE, atol=1e-9) for a, b in zip(self._made(), other._made(), strict=True)]  # noqa: SLF001
+        alike = [np.allclose(a, b, rtol=LIKE, atol=1e-9) for a, b in zip(self.made(), other.made(), strict=True)]
         return all(alike)
 
-    def _made(self) -> tuple[float, float, float, float]:
+    def made(self) -> tuple[float, float, float, float]:
         """Return how it was made to go, before it is played faster or slower."""
         factor = 1.0 / (self.rate * self.period)
         return self.velocity[0] * factor, self.velocity[1] * factor, self.turn * factor, self.period

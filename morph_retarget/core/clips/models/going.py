@@ -23,13 +23,13 @@ from ..commands.parameters import Parameter, Parameters
 from ..frames import Frames
 from ..motions.annotations import Phase
 from ..motions.base_motion import BaseMotion
-from ..operators.section import Section
 from ..operators.time_warp import TimeWarp
 from ..travel import Travel
 from .cycles import STILL, Cycle, Cycles, Way
+from .gone import Gone, Stage
 from .matching import phase_at
 from .motion_model import MotionModel
-from .pace import Pace, Paced
+from .pace import Pace
 from .token import Token
 from .transitions import crossfade, held_on, kept_small, transition
 
@@ -45,8 +45,6 @@ HASTE = 0.35
 """… and no body changes its speed faster than by this share of gravity, or its turn by …"""
 SWING = 2.5
 """… so much [rad/s²]."""
-AT_ONCE = 1.0
-"""Frames in which a stop clip follows a cycle that it fits."""
 QUICKER = 1.6
 """Start and stop clips are played faster or slower by this factor at most, to keep the pace of the loop."""
 USUAL = 5
@@ -54,54 +52,7 @@ USUAL = 5
 AHEAD = np.radians(50.0)
 """Start and stop clips serve for directions that differ by less."""
 TURNED_BACK = 0.25
-"""Who is told to go on within this share of a stop clip goes on in step; later the stop is finished first."""
-
-
-@dataclass(frozen=True, eq=False)
-class Stage:
-    """One cycle of a going body, and when it comes in."""
-
-    cycle: Cycle
-    begin: float
-    finish: float
-
-
-@dataclass(frozen=True, eq=False)
-class Gone:
-    """What a going body has done and goes on to do."""
-
-    by: "Going"
-    """The model that made it."""
-    way: Mapping[str, Value]
-    """Parameters, all of them."""
-    pace: Pace
-    stages: tuple[Stage, ...]
-    settled: float
-    """From when on the pace tells where in its cycle the body is."""
-    opening: Clip | None = None
-    """What comes before the first cycle, None where that begins at once."""
-    closing: Clip | None = None
-    """The stop clip."""
-    end: float = math.inf
-    """Where the motion is cut off, if there is no stop clip."""
-
-    @cached_property
-    def tree(self) -> Clip:
-        """The motion tree."""
-        tree = self.opening
-        for stage in self.stages:
-            cycle = stage.cycle
-            paced = Paced(self.pace, cycle.clip, cycle.period, cycle.zero, stage.begin)
-            tree = paced if tree is None else crossfade(tree, paced, stage.begin, stage.finish)
-        assert tree is not None, "there is a clip"
-        if self.closing is not None:
-            tree = crossfade(tree, self.closing, self.closing.start - AT_ONCE, self.closing.start)
-        return tree if self.end == math.inf else Section(tree.start, self.end, tree)
-
-    def since(self, frame: float) -> "Gone":
-        """Return the same without what is over at a frame."""
-        over = [i for i, stage in enumerate(self.stages) if stage.finish <= frame]
-        return replace(self, opening=None, stages=self.stages[over[-1] :]) if over else self
+"""Who is told to go on within this share of a stop clip goes on in step; later it begins anew."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,13 +174,15 @@ class Going(MotionModel):
         start = self._nearest(way, Phase.START)
         if start is None:
             phase = self._stands(cycle)
-            return Gone(self, way, Pace.steady(frame, phase, cycle.rate), (Stage(cycle, frame, frame),), frame), problem
+            return Gone(
+                self.stopped, way, Pace.steady(frame, phase, cycle.rate), (Stage(cycle, frame, frame),), frame
+            ), problem
         own, phase = self._native(start), self._fits(start, start.clip.end)
         opening = self._played(start, own, cycle.rate, frame)
         overlap = min(_overlap(cycle.rate), 0.5 * (opening.end - frame))
         stage = Stage(cycle, opening.end - overlap, opening.end)
         pace = Pace.steady(opening.end, phase, cycle.rate)
-        return Gone(self, way, pace, (stage,), stage.begin, opening), problem
+        return Gone(self.stopped, way, pace, (stage,), stage.begin, opening), problem
 
     def _changed(self, gone: Gone, way: Mapping[str, Value], frame: float) -> tuple[Gone, str]:
         """Return a body that goes over to another cycle in step (eqs 20–23)."""
@@ -245,11 +198,11 @@ class Going(MotionModel):
             gone = gone if opening is gone.tree else replace(gone, opening=opening, stages=(), settled=begin)
         stage = Stage(cycle, begin, begin + lasts)
         pace = gone.pace.going_over(begin, cycle.rate, lasts)
-        return replace(gone, by=self, way=way, pace=pace, stages=(*gone.stages, stage)), problem
+        return replace(gone, stop=self.stopped, way=way, pace=pace, stages=(*gone.stages, stage)), problem
 
     def _after_standing(self, gone: Gone, way: Mapping[str, Value], frame: float) -> tuple[Gone, str]:
         """Return a body that stops and begins anew: steps on the spot and steps that lead on are never in step."""
-        stopped = gone.by.stopped(gone, frame).tree
+        stopped = gone.stop(gone, frame).tree
         end = stopped.end
         fresh, problem = self._begun(way, end)
         blend = transition(held_on(stopped), fresh.tree, end)
@@ -268,7 +221,7 @@ class Going(MotionModel):
         for motion in self._suiting(gone.way, Phase.STOP):
             native = self._native(motion)
             # The loop that the stop comes from is blended in first: a foot lands where it is to stand in the stop.
-            before = AT_ONCE if native.is_like(gone.stages[-1].cycle) else _overlap(gone.pace.rate(soon))
+            before = 0.0 if native.is_like(gone.stages[-1].cycle) else _overlap(gone.pace.rate(soon))
             begin = gone.pace.reached(self._fits(motion, motion.clip.start), soon + before)
             found.append((begin, self._played(motion, native, gone.pace.rate(begin), begin), native))
         if not found:

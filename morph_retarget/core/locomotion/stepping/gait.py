@@ -223,11 +223,10 @@ def _told(found: Legs, paces: tuple[Pace, ...], stood: Plants, sizes: Sizes) -> 
     stiff = sum(len(leg.path) < 3 for leg in found.legs)
     if stiff:
         yield f"{stiff} of its {len(found.legs)} legs have no knee: their feet slide"
-    if sizes.lying.any():
-        yield (
-            f"{int(sizes.lying.sum())} of its {len(found.legs)} legs do not stand in its rest pose, so their feet slide: "
-            "pose it standing and apply that as its rest pose"
-        )
+    lying = int(sizes.lying.sum())
+    if lying:
+        told = f"{lying} of its {len(found.legs)} legs do not stand in its rest pose, so their feet slide"
+        yield f"{told}: pose it standing and apply that as its rest pose"
     if len(found.legs) == 1:
         yield "it has one leg: it hops"
 

@@ -54,11 +54,12 @@ def released(course: Course, steps: Steps, trunk: Trunk, tilt: float, level: boo
     touch, lift = contacts.touch[legs, cycles], contacts.lift[legs, cycles]
     times = touch[:, None] + SHARES * (lift - touch)[:, None]
     others = contacts.standing(times.ravel()).sum(axis=1).reshape(shape) > 1
-    # Before the time from which on it is too far for good, and another foot stands.
+    # From the time on from which it is too far for good and another foot stands, or from just before.
     late = np.logical_and.accumulate((far & others)[:, ::-1], axis=1)[:, ::-1]
-    first = np.maximum(np.argmax(late, axis=1), 1) - 1
+    row, first = np.arange(len(legs)), np.argmax(late, axis=1)
+    first -= (first > 0) & others[row, first - 1]
     leaves = contacts.lift.copy()
-    leaves[legs, cycles] = np.where(late.any(axis=1), times[np.arange(len(legs)), first], lift)
+    leaves[legs, cycles] = np.where(late.any(axis=1), times[row, first], lift)
     return replace(steps, contacts=replace(contacts, lift=leaves))
 
 

@@ -49,7 +49,7 @@ class Sizes:
 
     @property
     def lying(self) -> Flags:
-        """Whether each leg points up at rest, or lies stretched to a side, as where a file has no pose, shape (leg,)."""
+        """Whether each leg points up at rest or lies stretched to a side, as in files without a pose, shape (leg,)."""
         below = (self.hips - self.homes)[:, 2]
         return (below < 0.0) | ((self.rests > STRETCHED * self.lengths) & (below < LYING * self.lengths))
 
