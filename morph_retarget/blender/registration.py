@@ -7,8 +7,7 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
-from .directing import known, reading
-from .directing import properties as directing
+from .directing import changes, known, reading
 from .locomotion import properties as locomotion
 from .morph import autokey, cast, keys, perform, remap, values
 from .morph import properties as morph
@@ -25,7 +24,7 @@ _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (values.character_listeners, perform.character_changed),
     (locomotion.course_listeners, perform.course_changed),
     (locomotion.manner_listeners, perform.gait_changed),
-    (directing.command_listeners, perform.gait_changed),
+    (changes.command_listeners, perform.gait_changed),
     (known.finders, reading.library_now),
 )
 """Who is told of which changes of settings."""

@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 import pytest
 
-from morph_retarget.blender.directing import marking, properties, reading
-from morph_retarget.blender.directing.properties import Kind, MORPHRETARGET_PG_directing
+from morph_retarget.blender.directing import changes, marking, properties, reading
+from morph_retarget.blender.directing.parameters import Kind
+from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.directing.reading import Briefing
 from morph_retarget.blender.locomotion.going import Clock
 from morph_retarget.blender.locomotion.properties import Source
@@ -107,7 +108,7 @@ def test_setting_a_parameter_again_changes_it_and_its_kind(ob: bpy.types.Object)
 
 def test_each_change_is_told_once(ob: bpy.types.Object) -> None:
     told: list[bpy.types.ID] = []
-    properties.command_listeners.append(told.append)
+    changes.command_listeners.append(told.append)
     try:
         item = _own(ob).command(1, "start", "walk", speed=1.2, turn=0.4)
         assert told == [ob]
@@ -118,7 +119,7 @@ def test_each_change_is_told_once(ob: bpy.types.Object) -> None:
         _own(ob).clear()
         assert told == [ob] * 5
     finally:
-        properties.command_listeners.remove(told.append)
+        changes.command_listeners.remove(told.append)
 
 
 def test_commands_cannot_be_keyed_and_say_what_they_do() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.properties import of_rig
+from morph_retarget.core.clips.commands.parameters import told
 from tests.blender import acts, scenes, window
 
 ops = bpy.ops.morph_retarget
@@ -90,6 +91,18 @@ def test_a_script_becomes_commands_empties_and_warnings(
     assert _own(ob).commands[2].parameters["target"].target == cup
     assert Path(_own(ob).library) == tmp_path / "mine.npz"
     assert "dance.toml, line " in capfd.readouterr().out
+
+
+def test_what_is_wrong_with_a_command_is_told_with_its_line_in_the_script(
+    ob: bpy.types.Object, tmp_path: Path
+) -> None:
+    path = tmp_path / "dance.toml"
+    path.write_text("[[command]]\nat = 1.0\nstart = 'fly'\n")
+    ops.import_commands(filepath=str(path))
+    [command] = _own(ob).commands_of(bpy.context.scene)
+    assert told(command, "there is none").startswith("dance.toml, line 1 (frame ")
+    _own(ob).command(5, "start", "fly")
+    assert _own(ob).commands_of(bpy.context.scene)[0].origin == "frame 5", "what was given here has no script"
 
 
 def test_reading_a_script_again_moves_its_empties_and_may_replace_the_commands(

@@ -13,8 +13,10 @@ from ...core.clips.commands import line
 from ...core.clips.commands.command import Command, Verb
 from ...core.errors import MotionError, RigError
 from ..morph import events
+from .changes import together
 from .known import TARGET
-from .properties import MORPHRETARGET_PG_directing, found, together
+from .parameters import found
+from .properties import MORPHRETARGET_PG_directing
 
 LONGEST = 63
 """Letters of a marker's name that Blender keeps [bytes]."""

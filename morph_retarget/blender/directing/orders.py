@@ -12,7 +12,7 @@ from ..morph import cast
 from ..properties import of_rig
 from . import marking
 from .known import TARGET
-from .properties import Target, found
+from .parameters import Target, found
 
 
 def commands_of(ob: bpy.types.Object, clock: Clock) -> tuple[list[Command], list[str]]:

@@ -18,8 +18,9 @@ from ...core.errors import FileError
 from ..locomotion.going import matrix_of
 from ..properties import of_rig
 from ..sampling import seconds_per_frame
+from .changes import together
 from .known import TARGET
-from .properties import found, together
+from .parameters import found
 
 MARKUP = (".bml", ".xml")
 TABLES = ".toml"
@@ -78,7 +79,8 @@ def bring_in(
     with together(own):
         for command in told.commands:
             values = {name: _here(name, value, names, to_world) for name, value in command.parameters.items()}
-            own.command(scene.frame_start + command.time / seconds, command.verb, command.model, **values)
+            item = own.command(scene.frame_start + command.time / seconds, command.verb, command.model, **values)
+            item.origin = command.origin
         if told.library:
             own.library = str(told.library if folder is None else folder / told.library)
     return warnings

@@ -11,7 +11,7 @@ from ..locomotion import walks
 from ..morph import cast, stage, targets
 from ..properties import of_rig
 from . import orders
-from .properties import Target
+from .parameters import Target
 
 SPACING = 1.0 / 16.0
 """Between points of a surface, as a share of its size."""

@@ -9,12 +9,8 @@ import bpy
 
 from ...core.clips.commands.command import Verb
 from ..directing import known
-from ..directing.properties import (
-    Kind,
-    MORPHRETARGET_PG_command,
-    MORPHRETARGET_PG_directing,
-    MORPHRETARGET_PG_parameter,
-)
+from ..directing.parameters import Kind, MORPHRETARGET_PG_parameter
+from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_directing
 from ..locomotion import walks
 from ..morph import cast, query
 from ..properties import of_rig
