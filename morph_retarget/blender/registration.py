@@ -7,7 +7,8 @@ import bpy
 from . import handlers, live, operators, presets, properties, ui
 from .cli.messages import NAME
 from .cli.program import main
-from .directing import changes, known, reading
+from .directing import changes, known, reading, walking
+from .locomotion import guides
 from .locomotion import properties as locomotion
 from .morph import autokey, cast, keys, perform, remap, values
 from .morph import properties as morph
@@ -26,8 +27,9 @@ _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (locomotion.manner_listeners, perform.gait_changed),
     (changes.command_listeners, perform.gait_changed),
     (known.finders, reading.library_now),
+    (guides.guides, walking.GUIDE),
 )
-"""Who is told of which changes of settings."""
+"""Who is told of which changes of settings, and who leads characters where."""
 
 _commands: list[Any] = []
 

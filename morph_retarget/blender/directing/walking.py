@@ -1,15 +1,21 @@
 """Directed characters as those that go are: prepared for a whole clip, live and when they are baked."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
+import bpy
+
+from ...core.arrays import Array
 from ...core.character.character import Character
 from ...core.clips.commands.command import Command
 from ...core.directing import director
 from ...core.directing.director import Directions
 from ...core.solve.settings import SolverSettings
 from ..locomotion.going import Going
+from ..locomotion.guides import Asked, Guide
+from ..locomotion.properties import Source
 from ..locomotion.walk import Walk
-from . import libraries
+from ..morph.cast import Member
+from . import libraries, orders, reading
 from .reading import Briefing
 
 
@@ -37,3 +43,13 @@ def walk_of(character: Character, own: Going, told: Briefing, solver: SolverSett
 def _models(commands: Sequence[Command]) -> tuple[str, ...]:
     """Return whom commands address, in the order of their names."""
     return tuple(sorted({command.model for command in commands}))
+
+
+def _asked(member: Member, own: Going, graph: bpy.types.Depsgraph, targets: Mapping[str, Array] | None = None) -> Asked:
+    ob, character = member.rig.object, member.character
+    told = reading.read(ob, own.clock, graph, own.from_world, character.frame.height, targets)
+    return (own.key, told.key, member.solver), lambda: walk_of(character, own, told, member.solver)
+
+
+GUIDE = Guide(Source.COMMANDS, _asked, orders.marked, reading.watched, reading.reasons_to_step, reading.places_now)
+"""Leads those that do what they are told."""

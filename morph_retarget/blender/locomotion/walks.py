@@ -5,7 +5,7 @@ It depends on nothing that was shown before.
 """
 
 import itertools
-from collections.abc import Callable, Container, Generator, Iterable, Mapping
+from collections.abc import Container, Generator, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -16,14 +16,13 @@ from ...core.arrays import Array
 from ...core.errors import MorphError
 from ...core.layering import Layer
 from .. import actions
-from ..directing import orders, reading, walking
 from ..morph import cast, keys
 from ..morph.cast import Member
 from ..properties import of_rig
 from ..sampling import STEPS_PER_YIELD, set_frame
 from . import going, standing
 from .going import Clock, Going, Stepped
-from .properties import Source
+from .guides import Asked, Guide, guide_of
 from .walk import Walk
 
 _numbers = itertools.count()
@@ -39,7 +38,7 @@ class _Known:
     """Why not."""
     member: Member
     state: tuple[object, ...]
-    """What is looked at anew with each frame: the scene's range and rate, how much moves the object, and markers."""
+    """What is looked at anew with each frame: range and rate of the scene, what moves the object, what guides ask."""
     told: tuple[object, ...]
     """All else that it depends on."""
     number: int = field(default_factory=lambda: next(_numbers))
@@ -73,8 +72,9 @@ def watches(ob: bpy.types.Object, changed: Container[object]) -> bool:
     if not own.enabled:
         return False
     found: list[object] = [cast.action_of(ob), ob]
-    if own.source == Source.COMMANDS:
-        found += reading.watched(ob)
+    guide = guide_of(own.source)
+    if guide is not None:
+        found += guide.watched(ob)
     for other in (own.path, own.ground):
         if other is not None:
             found += [other, other.data]
@@ -142,9 +142,10 @@ def _now(member: Member, scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> 
     ob, render = member.rig.object, scene.render
     key, data = (ob.session_uid, scene.session_uid), ob.animation_data
     animated = (0, 0) if data is None else (len(data.drivers), len(data.nla_tracks))
-    marked = orders.marked(ob) if of_rig(ob).gait.source == Source.COMMANDS else ()
+    guide = guide_of(of_rig(ob).gait.source)
+    told = () if guide is None else guide.told(ob)
     rate = render.fps, render.fps_base
-    state = (scene.frame_start, scene.frame_end, *rate, *animated, len(ob.constraints), marked)
+    state = (scene.frame_start, scene.frame_end, *rate, *animated, len(ob.constraints), told)
     known = _known.get(key)
     same = known is not None and known.member is member and known.state == state
     if known is not None and same and key not in _edited:
@@ -175,9 +176,7 @@ def _found(
         return _Known(Walk(member.gait, standing.STAYS, clock), str(error), member, state, ())
 
 
-def _asked(
-    member: Member, own: Going, graph: bpy.types.Depsgraph, targets: Mapping[str, Array] | None = None
-) -> tuple[tuple[object, ...], Callable[[], Walk]]:
+def _asked(member: Member, own: Going, graph: bpy.types.Depsgraph, targets: Mapping[str, Array] | None = None) -> Asked:
     """Return what the way of a character depends on, and what makes it of that.
 
     Args:
@@ -189,10 +188,10 @@ def _asked(
     Raises:
         MotionError: A target can be known by stepping alone.
     """
+    guide = guide_of(own.source)
+    if guide is not None:
+        return guide.ask(member, own, graph, targets)
     ob, character, root = member.rig.object, member.character, member.root
-    if own.source is Source.COMMANDS:
-        briefing = reading.read(ob, own.clock, graph, own.from_world, character.frame.height, targets)
-        return (own.key, briefing.key, member.solver), lambda: walking.walk_of(character, own, briefing, member.solver)
     settings, movement = of_rig(ob).gait.settings(), of_rig(ob).gait.chosen_movement()
     told = (own.key, settings, tuple(settings.of_group.items()), movement)
     return told, lambda: Walk.of(character, root, own, settings, movement)
@@ -266,13 +265,13 @@ def taken(member: Member, scene: bpy.types.Scene, frames: Array, rate: float) ->
         return None
     ob, curves = member.rig.object, keys.curves(member.action)
     clock = Clock.of(scene, curves, float(frames[0]), rate, float(frames[-1]))
-    directed = of_rig(ob).gait.source == Source.COMMANDS
-    if not going.reasons_to_step(ob) and not (directed and reading.reasons_to_step(ob)):
+    guide = guide_of(of_rig(ob).gait.source)
+    if not going.reasons_to_step(ob) and not (guide is not None and guide.reasons_to_step(ob)):
         graph = bpy.context.evaluated_depsgraph_get()
         own = going.read(ob, member.character, curves, clock, graph)
         return Taken(member, _asked(member, own, graph)[1]())
     every = np.union1d(clock.frames, frames)
-    stepped, weights, targets = yield from _stepped(ob, scene, every, clock if directed else None)
+    stepped, weights, targets = yield from _stepped(ob, scene, every, guide)
     whole = np.searchsorted(every, clock.frames)
     at_whole, graph = Stepped(stepped.moves[whole], stepped.matrices[whole]), bpy.context.evaluated_depsgraph_get()
     own = going.read(ob, member.character, curves, clock, graph, at_whole)
@@ -307,12 +306,12 @@ class Taken:
 
 
 def _stepped(
-    ob: bpy.types.Object, scene: bpy.types.Scene, frames: Array, directed: Clock | None
+    ob: bpy.types.Object, scene: bpy.types.Scene, frames: Array, guide: Guide | None
 ) -> Generator[float, None, tuple[Stepped, Array, Mapping[str, Array]]]:
     """Read each frame as Blender evaluates it; yields the share done.
 
     Returns:
-        How it goes, how much that counts, and where the targets are of one that is directed over the frames of a clock.
+        How it goes, how much that counts, and where the targets are of one that a guide leads.
     """
     before = scene.frame_current_final
     moves, weights = np.empty((len(frames), len(going.MOVES))), np.empty(len(frames))
@@ -322,8 +321,8 @@ def _stepped(
             set_frame(scene, frame)
             graph = bpy.context.evaluated_depsgraph_get()
             seen = ob.evaluated_get(graph)
-            if directed is not None:
-                places.append(reading.places_now(ob, graph))
+            if guide is not None:
+                places.append(guide.places_now(ob, graph))
             own = of_rig(seen).gait
             moves[i] = [getattr(own, name) for name in going.MOVES]
             weights[i], matrices[i] = own.weight, np.array(seen.matrix_world, dtype=np.float64)
