@@ -10,6 +10,7 @@ from ..core import euler, quat
 from ..core.arrays import Array
 from ..core.character.character import Character
 from ..core.character.frame import Placement
+from ..core.errors import RigError
 from ..core.mocap.root_motion import RootMotion, Travel
 from ..core.pipeline import Result
 from .rig import Rig, pose_bone, rotations_of
@@ -26,13 +27,16 @@ class Channel:
     bone: str | None
     """Name of the pose bone, None for the object itself."""
     prop: str
-    """"location", "rotation_quaternion" and so on."""
+    """"location", "rotation_quaternion" and so on; a custom property as ``["name"]``, its name escaped."""
     values: Array
     """Shape (frame, component)."""
 
     def path(self, ob: bpy.types.Object) -> str:
         """Return the property's data path from the object."""
-        return self.prop if self.bone is None else pose_bone(ob, self.bone).path_from_id(self.prop)
+        if self.bone is None:
+            return self.prop
+        bone = pose_bone(ob, self.bone)
+        return f"{bone.path_from_id()}{self.prop}" if self.prop.startswith("[") else bone.path_from_id(self.prop)
 
 
 def of_result(target: Rig, character: Character, result: Result, root: str | None) -> list[Channel]:
@@ -55,7 +59,7 @@ def of_result(target: Rig, character: Character, result: Result, root: str | Non
         out += _root_travel(target, character, result.travel, root, own)
     out += [location(target, bone, shift) for bone, shift in shifts.items()]
     if result.travel is not None and result.root_motion is RootMotion.OBJECT:
-        out += _object_travel(target.object, character, _pivot(target, character), result.travel)
+        out += _object_travel(target.object, character, _pivot(character), result.travel)
     return out
 
 
@@ -108,6 +112,21 @@ def location(target: Rig, bone: int, shifts: Array) -> Channel:
     return Channel(target.skeleton.names[bone], "location", values)
 
 
+def root_bone(target: Rig, character: Character) -> str:
+    """Return the bone that root motion can be moved to: the topmost above the hips.
+
+    Raises:
+        RigError: The hips have no bone above them.
+    """
+    hips = character.joints.get("hips")
+    above = [] if hips is None else target.armature.bones[hips.bone].parent_recursive
+    if not above:
+        raise RigError(
+            f"rig {target.name!r} has no bone above its hips to carry root motion: keep it on the hips or the object"
+        )
+    return above[-1].name
+
+
 def movable(target: Rig, bone: int) -> int:
     """Return the bone that moves in place of ``bone``: a connected one cannot, but what it is connected to can."""
     bones = target.armature.bones
@@ -124,16 +143,16 @@ def _location_axes(target: Rig, bone: int) -> Array:
     return skeleton.rest_rotations[parent] if parent >= 0 else quat.IDENTITY
 
 
-def _pivot(target: Rig, character: Character) -> Array:
+def _pivot(character: Character) -> Array:
     """Return the point on the ground about which travel turns, character frame, shape (3,)."""
     hips = character.bone("hips")
     assert hips is not None, "the plan has checked that there are hips"
-    return character.local_to_character.points(target.skeleton.rest_positions[hips]) * np.array([1.0, 1.0, 0.0])
+    return character.local_to_character.points(character.skeleton.rest_positions[hips]) * np.array([1.0, 1.0, 0.0])
 
 
 def _root_travel(target: Rig, character: Character, travel: Travel, root: str, own: Array) -> list[Channel]:
     """Return what carries the travel on a bone that also moves by ``own`` itself, armature space, shape (frame, 3)."""
-    bone, pivot = target.skeleton.index[root], _pivot(target, character)
+    bone, pivot = target.skeleton.index[root], _pivot(character)
     to_local = character.local_to_character.inverse()
     rest = target.skeleton.rest_rotations[bone]
     basis = quat.multiply(quat.multiply(quat.conjugate(rest), to_local.turns(travel.turns)), rest)

@@ -1,6 +1,7 @@
 """From what is set in the window to what a retarget takes: plain data, gathered before any work."""
 
 from collections.abc import Generator
+from dataclasses import replace
 
 import bpy
 
@@ -10,7 +11,7 @@ from ..core.ground import Ground
 from . import actions, retarget, rig, sampling, terrain
 from .contacts import Contact
 from .properties import of_rig, of_scene
-from .retarget import Source
+from .retarget import Options, Source
 from .rig import Rig
 
 Clips = list[tuple[bpy.types.Action, bpy.types.ActionSlot]]
@@ -25,6 +26,16 @@ def target_of(ob: bpy.types.Object) -> tuple[Rig, Character]:
     """
     own = rig.read(ob)
     return own, retarget.character_of(own, of_rig(ob).overrides())
+
+
+def options_of(scene: bpy.types.Scene, target: bpy.types.Object) -> Options:
+    """Return what is chosen in the panel, with the target's own controls.
+
+    Raises:
+        RigError: Only selected bones are to be moved, and none is selected.
+    """
+    only = frozenset(rig.selected_bones(target)) if of_scene(scene).selected_only else frozenset[str]()
+    return replace(of_scene(scene).options(), controls=of_rig(target).controls(), only=only)
 
 
 def source_of(

@@ -6,24 +6,28 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import live, migrations
+from .controls import evaluating
 from .morph import cast, events, perform
 
 
 @persistent
 def _before_frame(scene: bpy.types.Scene, *_: object) -> None:
-    perform.foresee(scene)
+    if scene.session_uid not in evaluating.stages:
+        perform.foresee(scene)
 
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
-    live.show_frame(scene)
-    perform.show_frame(scene, graph)
-    events.show_frame(scene)
+    if scene.session_uid not in evaluating.stages:
+        live.show_frame(scene)
+        perform.show_frame(scene, graph)
+        events.show_frame(scene)
 
 
 @persistent
 def _on_edit(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
-    perform.update(scene, graph)
+    if scene.session_uid not in evaluating.stages:
+        perform.update(scene, graph)
 
 
 def _forget() -> None:

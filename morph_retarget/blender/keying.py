@@ -26,7 +26,7 @@ def write(
 
     Args:
         target: The rig.
-        found: Channels.
+        found: Channels; those with a single frame of values are keyed at the first one.
         body: Bones that the motion owns; what else moved or turned them before must not show.
         frames: Frames to key, shape (frame,).
         name: Of the action.
@@ -41,7 +41,7 @@ def write(
         written: set[str] = set()
         for channel in found:
             path = channel.path(ob)
-            writer.write(path, channel.values, frames, channel.bone or OBJECT_GROUP)
+            writer.write(path, channel.values, frames[: len(channel.values)], channel.bone or OBJECT_GROUP)
             written.add(path)
         for channel in channels.resting(ob, body, found, {path for path, _ in old} | actions.paths_in_strips(ob)):
             writer.write(channel.path(ob), channel.values, frames[:1], channel.bone or OBJECT_GROUP)

@@ -4,7 +4,7 @@ Everything here is run-time state, keyed by Blender's session-wide number of the
 redo. What is shown depends on the time alone, never on how often it was asked for.
 """
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,10 +14,13 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..core.arrays import Array, Indices
-from ..core.errors import MorphError, MotionError
-from . import actions, channels, collect, retarget
+from ..core.errors import MorphError, MotionError, RigError
+from . import actions, channels, collect, retarget, writing
 from .channels import OFF_REST, Channel
+from .controls import deforming
+from .controls.carrying import Onto
 from .properties import of_rig, of_scene
+from .retarget import Source
 from .rig import Rig, pose_of
 
 Singles = NDArray[np.float32]
@@ -92,9 +95,21 @@ def start(scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Ob
     Raises:
         MorphError: The motion cannot be transferred.
     """
+    retarget.run(starting(scene, source, target))
+
+
+def starting(
+    scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object
+) -> Generator[float, None, None]:
+    """Do the same in steps; yields the share done. Closed before its end it leaves everything as it was.
+
+    Raises:
+        MorphError: The motion cannot be transferred.
+    """
+    clip = yield from _sampled(scene, source, target)
     if of_rig(target).live_source is None:
         of_rig(target).home = [value for row in target.matrix_basis for value in row]
-    _motions[target.session_uid] = _prepare(scene, source, target)
+    _motions[target.session_uid] = _transferred(scene, source, target, clip)
     problems.pop(target.session_uid, None)
     of_rig(target).live_source = source
     show_frame(scene)
@@ -182,20 +197,36 @@ def _followed(source: bpy.types.Object) -> tuple[int, int]:
 def _prepare(
     scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, may_step: bool = True
 ) -> _Motion:
-    action, slot = collect.actions_of(source)[0]
-    if not may_step and collect.needs_steps(source, action, slot):
+    if not may_step and collect.needs_steps(source, *collect.actions_of(source)[0]):
         raise MotionError(f"armature {source.name!r} is moved by more than its action: switch Live on again")
+    return _transferred(scene, source, target, retarget.run(_sampled(scene, source, target)))
+
+
+def _sampled(
+    scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object
+) -> Generator[float, None, Source]:
+    """Sample what a source plays in steps, while nothing is shown."""
+    action, slot = collect.actions_of(source)[0]
     _preparing.append(target.session_uid)
     try:
-        clip = retarget.run(collect.source_of(source, action, slot, scene))
+        return (yield from collect.source_of(source, action, slot, scene))
     finally:
-        _preparing.pop()
+        _preparing.remove(target.session_uid)
+
+
+def _transferred(scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, clip: Source) -> _Motion:
+    """Transfer a sampled clip to a target."""
     _go_home(target)
     own, character = collect.target_of(target)
+    if of_scene(scene).options().onto is not Onto.NONE and deforming.body_of(own, character) is not None:
+        raise RigError(
+            f"armature {target.name!r} is posed by controls, which Live does not move: press Retarget, "
+            "or let it write on bones"
+        )
     ground = collect.ground_of(scene, character)
-    given = collect.contacts_of(source, action)
+    given = collect.contacts_of(source, collect.actions_of(source)[0][0])
     _, result = retarget.transfer(clip, own, character, of_scene(scene).options(), given, ground)
-    found = retarget.channels_of(own, character, result)
+    found = writing.channels_of(own, character, result)
     body = channels.body_bones(own, result.bones)
     playing, its_slot = actions.assigned(target)
     animated = {path for path, _ in actions.curves(playing, its_slot)} if playing and its_slot else set[str]()

@@ -49,13 +49,13 @@ def write(path: Path, text: str) -> None:
         raise FileError(f"{path}: cannot be written ({error.strerror}): choose another place") from error
 
 
-def save(path: Path, joints: dict[str, str]) -> None:
-    """Write a joint map.
+def save(path: Path, joints: dict[str, str], controls: dict[str, str] | None = None) -> None:
+    """Write a joint map, with the controls that the user has named.
 
     Raises:
         FileError: It cannot be written.
     """
-    write(path, map_file.preset(joints))
+    write(path, map_file.preset(joints, controls or {}))
 
 
 def load(path: Path) -> dict[str, str]:
@@ -65,11 +65,19 @@ def load(path: Path) -> dict[str, str]:
         FileError: It cannot be read.
         MappingError: It is no joint map.
     """
+    return map_file.parse(_text(path), str(path))
+
+
+def load_controls(path: Path) -> dict[str, str]:
+    """Read the controls that a joint map names, joint to bone; errors as for `load`."""
+    return map_file.parse_controls(_text(path), str(path))
+
+
+def _text(path: Path) -> str:
     try:
-        text = path.read_text(encoding="utf-8")
+        return path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise FileError(f"{path}: cannot be read as a joint map: check the path") from error
-    return map_file.parse(text, str(path))
 
 
 def delete(name: str) -> None:

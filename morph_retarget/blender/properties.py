@@ -24,8 +24,10 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
+from .controls.carrying import Onto
 from .directing import properties as directing
 from .directing.properties import Directed
+from .laying import Lay
 from .locomotion import properties as locomotion
 from .locomotion.properties import Walker
 from .morph import jiggle_properties, solver_properties, values
@@ -78,6 +80,12 @@ class MORPHRETARGET_PG_joint(bpy.types.PropertyGroup):
         update=_chosen_by_user,
         override=_OVERRIDABLE,
     )
+    control: StringProperty(
+        name="Control",
+        description="Bone that animators move for this joint; found by itself when empty",
+        update=_changed,
+        override=_OVERRIDABLE,
+    )
     confidence: FloatProperty(name="Confidence", description="How sure the match is", min=0.0, max=1.0)
     by: StringProperty(name="Found By", description="What decided: name, topology, geometry, user or preset")
 
@@ -128,12 +136,14 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
     def show(self, character: Character) -> None:
         """Fill the list with what was found; all joints are listed, those without a bone too."""
         given = {joint.name: joint.by for joint in self.joints if joint.by in BY_USER}
+        controls = self.controls()
         self.joints.clear()
         for name in PARENTS:
             match = character.joints.get(name) or JointMatch("", 0.0, "")
             joint = self.joints.add()
             joint.name, joint.bone = name, match.bone
             joint.confidence, joint.by = match.confidence, given.get(name, match.by)
+            joint.control = controls.get(name, "")
         self.active_joint = min(self.active_joint, len(self.joints) - 1)
         self.kind = "Humanoid" if character.humanoid else f"Creature, {len(character.legs)} legs"
 
@@ -144,6 +154,10 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
             forward=None if self.forward == "AUTO" else axis(self.forward),
             joints={joint.name: joint.bone for joint in self.joints if joint.by in BY_USER},
         )
+
+    def controls(self) -> dict[str, str]:
+        """Return the controls that the user has named, joint to bone."""
+        return {joint.name: joint.control for joint in self.joints if joint.control}
 
     def assign(self, name: str, bone: str, by: str = "user") -> None:
         """Give a joint a bone; a joint that had the bone before loses it.
@@ -241,6 +255,7 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         poll=_is_mesh,
         update=_changed,
     )
+    mirror: BoolProperty(name="Mirror", description="Change left and right over", update=_changed)
     reach_hands: BoolProperty(
         name="Reach With Hands",
         description="Bring the hands to the source's places, scaled, as for contact with objects",
@@ -265,6 +280,30 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         description="Take over what the target's present action does to bones that are not mapped",
         default=True,
     )
+    lay: EnumProperty(
+        name="Result",
+        description="What becomes of the target's own animation",
+        items=[
+            (Lay.REPLACE.value, "Replace", "The target plays the new action; the old one is kept in the file"),
+            (Lay.STASH.value, "Stash", "The target plays on; the new action waits on a muted track of the NLA"),
+            (Lay.ADD.value, "Add", "What changes from the first frame on is laid over what the target plays"),
+        ],
+    )
+    selected_only: BoolProperty(
+        name="Selected Bones Only",
+        description="Move only the bones of the target that are selected; all others keep their animation",
+    )
+    onto: EnumProperty(
+        name="Write On",
+        description="What gets the keys on a rig with controls",
+        items=[
+            (Onto.AUTO.value, "Automatic", "Controls that turn parts where the rig has controls, else its bones"),
+            (Onto.FK.value, "FK Controls", "Controls that turn parts, with the switches of limbs set to FK"),
+            (Onto.IK.value, "IK Hands and Feet", "Controls that bring hands and feet to places, FK for all else"),
+            (Onto.NONE.value, "Bones", "The bones in the list of joints, whatever moves them besides"),
+        ],
+        update=_changed,
+    )
     show_paths: BoolProperty(
         name="Motion Paths",
         description="Draw where the active channel brings the active body of the active character, and its target",
@@ -285,6 +324,7 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
                 reach_hands=self.reach_hands,
                 root_motion=RootMotion(self.root_motion),
                 scale=self.scale,
+                mirror=self.mirror,
                 feet=replace(FeetSettings(), lock=self.lock),
             ),
             reference=Reference(self.reference),
@@ -293,6 +333,8 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
             name=self.name_template,
             resample=self.resample,
             keep_others=self.keep_others,
+            onto=Onto(self.onto),
+            lay=Lay(self.lay),
         )
 
 

@@ -10,21 +10,23 @@ import bpy
 import numpy as np
 
 from ..core import pipeline, report
-from ..core.arrays import Array
 from ..core.character.analysis import Overrides, analyze
 from ..core.character.character import Character
-from ..core.errors import MotionError, RigError
+from ..core.errors import RigError
 from ..core.ground import Ground
 from ..core.mocap import reference
 from ..core.mocap.measure import measure
 from ..core.mocap.plan import Plan, ReferencePose, RetargetSettings, prepare
 from ..core.mocap.root_motion import RootMotion
 from ..core.pipeline import Result
-from . import channels, contacts, keying, rig, sampling
-from .channels import Channel
+from . import channels, contacts, laying, rig, sampling, writing
 from .contacts import Contact
+from .controls import deforming
+from .controls.carrying import Onto, Task
+from .laying import Lay, Place
 from .rig import Rig
 from .sampling import Clip
+from .templates import filled
 
 _T = TypeVar("_T")
 
@@ -54,6 +56,14 @@ class Options:
     """Key whole frames of the scene when the clip has another rate; else its own frames at their times."""
     keep_others: bool = True
     """Take over what the target's old action does to bones that are not mapped."""
+    onto: Onto = Onto.AUTO
+    """Whether bones are keyed, or the controls that pose them."""
+    controls: Mapping[str, str] = field(default_factory=dict[str, str])
+    """The user's own controls, by joint."""
+    only: frozenset[str] = frozenset()
+    """Bones or controls of the target that are to be moved, all others keep their animation; all when empty."""
+    lay: Lay = Lay.REPLACE
+    """What becomes of the target's own animation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,12 +130,17 @@ def check_target(ob: bpy.types.Object) -> None:
     """Check that an armature can be given an action.
 
     Raises:
-        RigError: It is linked from another file without a library override.
+        RigError: It is linked from another file without a library override that can be edited.
     """
     if ob.library is not None and ob.override_library is None:
         raise RigError(
             f"armature {ob.name!r} is linked from {ob.library.filepath}: make a library override of it first "
             "(Object > Library Override > Make)"
+        )
+    if ob.override_library is not None and ob.override_library.is_system_override:
+        raise RigError(
+            f"armature {ob.name!r} is a library override that cannot be edited: make it editable first "
+            "(Outliner > Library Override > Make > Selected)"
         )
 
 
@@ -138,7 +153,20 @@ def retarget(
     given: Sequence[Contact] | None = None,
     ground: Ground | None = None,
 ) -> Outcome:
-    """Give a target the source's motion as a new action, and make it play that.
+    """Give a target the source's motion as a new action, and make it play that; arguments as for `in_steps`."""
+    return run(in_steps(source, target, character, options, scene, given, ground))
+
+
+def in_steps(
+    source: Source,
+    target: Rig,
+    character: Character,
+    options: Options,
+    scene: bpy.types.Scene,
+    given: Sequence[Contact] | None = None,
+    ground: Ground | None = None,
+) -> Generator[float, None, Outcome]:
+    """Give a target the source's motion as a new action, and make it play that; yields the share done.
 
     The old action, other slots, rest poses and object transforms are left as they are.
 
@@ -152,29 +180,43 @@ def retarget(
         ground: Terrain, the target's character frame.
 
     Raises:
-        RigError: See `transfer`.
-        MappingError: The two share no joints.
+        RigError: See `transfer`; or controls are asked for and there are none.
+        MappingError: The two share no joints, or a control that the user has named does not exist.
         MotionError: A contact names no foot of the source.
     """
     times = dict(source.seconds)
     start = time.perf_counter()
+    whole = target
+    if options.onto is not Onto.NONE:
+        target, character = deforming.body_of(target, character) or (target, character)
     plan, result = transfer(source, target, character, options, given, ground)
     times["transfer"] = time.perf_counter() - start
     start = time.perf_counter()
-    frames, keyed = key_times(source.clip, result, scene, options.resample)
-    action, slot = keying.write(
-        target,
-        channels_of(target, character, keyed),
-        channels.body_bones(target, keyed.bones),
-        frames,
-        action_name(options.name, source.clip.name, source.rig.name, target.name),
-        options.keep_others,
-    )
+    task = Task(whole, character, plan, options.controls, _existing(whole, options.only))
+    made = yield from writing.written(source.clip, task, result, options.onto, options.resample, scene)
+    name = action_name(options.name, source.clip.name, source.rig.name, target.name)
+    if not made.channels:
+        raise RigError(f"none of the bones of {target.name!r} that were chosen is given the motion: choose others")
+    action, slot = laying.lay(whole, made, Place(name, options.lay, options.keep_others))
     times["write"] = time.perf_counter() - start
-    warnings = _warnings(source, target, character, plan)
-    measures = measure(plan, result.source, result.motion, ground)
+    warnings = (*_warnings(source, target, character, plan, made.on_controls is not None), *made.warnings)
+    measures = measure(plan, result.source, made.motion, ground)
     described = report.describe(source.clip.name, target.name, len(source.clip.frames), times, plan, measures, warnings)
+    if made.on_controls is not None:
+        described["controls"] = dict(made.on_controls)
     return Outcome(action, slot, plan, result, described, warnings)
+
+
+def _existing(target: Rig, bones: frozenset[str]) -> frozenset[str]:
+    """Return bones that were chosen.
+
+    Raises:
+        RigError: The target does not have one of them.
+    """
+    missing = sorted(bones - set(target.skeleton.names))
+    if missing:
+        raise RigError(f"armature {target.name!r} has no bone {missing[0]!r}: choose some of its bones")
+    return bones
 
 
 def transfer(
@@ -204,16 +246,10 @@ def transfer(
     if source.rig.uid == target.uid:
         raise RigError(f"source and target are both {target.name!r}: choose two armatures")
     if options.settings.root_motion is RootMotion.ROOT_BONE:
-        root_bone(target, character)
+        channels.root_bone(target, character)
     plan, clip = make_plan(source, target, character, options), source.clip
     rows = None if given is None else contacts.standing(plan, clip, given)
     return plan, pipeline.evaluate(plan, clip.pose, clip.seconds_per_frame, rows, ground)
-
-
-def channels_of(target: Rig, character: Character, result: Result) -> list[Channel]:
-    """Return a motion as values of the target's properties."""
-    root = root_bone(target, character) if result.root_motion is RootMotion.ROOT_BONE else None
-    return channels.of_result(target, character, result, root)
 
 
 def action_name(template: str, action: str, source: str, target: str) -> str:
@@ -222,25 +258,7 @@ def action_name(template: str, action: str, source: str, target: str) -> str:
     Raises:
         MotionError: The template has a field besides ``{action}``, ``{source}`` and ``{target}``, or a lone brace.
     """
-    try:
-        return template.format(action=action, source=source, target=target)
-    except (KeyError, IndexError, ValueError, AttributeError) as error:
-        raise MotionError(
-            f"action name {template!r}: use {{action}}, {{source}} and {{target}} and no other braces"
-        ) from error
-
-
-def key_times(clip: Clip, result: Result, scene: bpy.types.Scene, resample: bool) -> tuple[Array, Result]:
-    """Return the frames to key and the result at these frames; the motion keeps its duration."""
-    ratio = clip.seconds_per_frame / sampling.seconds_per_frame(scene)
-    if abs(ratio - 1.0) < 1e-6:
-        return clip.frames, result
-    times = clip.frames[0] + (clip.frames - clip.frames[0]) * ratio
-    if not resample:
-        return times, result
-    whole = np.arange(np.ceil(times[0]), np.floor(times[-1]) + 1.0)
-    place = np.interp(whole, times, np.arange(len(times)))
-    return whole, result.resampled(place)
+    return filled(template, "action name", action=action, source=source, target=target)
 
 
 def make_plan(source: Source, target: Rig, character: Character, options: Options) -> Plan:
@@ -265,22 +283,7 @@ def make_plan(source: Source, target: Rig, character: Character, options: Option
     return prepare(source.character, character, options.settings, theirs, ours)
 
 
-def root_bone(target: Rig, character: Character) -> str:
-    """Return the bone that root motion can be moved to: the topmost above the hips.
-
-    Raises:
-        RigError: The hips have no bone above them.
-    """
-    hips = character.bone("hips")
-    above = target.skeleton.tree.ancestors[hips] if hips is not None else []
-    if not above:
-        raise RigError(
-            f"rig {target.name!r} has no bone above its hips to carry root motion: keep it on the hips or the object"
-        )
-    return target.skeleton.names[above[-1]]
-
-
-def _warnings(source: Source, target: Rig, character: Character, plan: Plan) -> tuple[str, ...]:
+def _warnings(source: Source, target: Rig, character: Character, plan: Plan, on_controls: bool) -> tuple[str, ...]:
     out = [*source.rig.warnings, *target.warnings]
     out += [f"source {source.rig.name!r}: {w}" for w in source.character.warnings]
     out += [f"target {target.name!r}: {w}" for w in character.warnings]
@@ -289,7 +292,7 @@ def _warnings(source: Source, target: Rig, character: Character, plan: Plan) -> 
     if source.clip.stepped:
         out.append(f"the source was sampled frame by frame because of {', '.join(source.clip.stepped)}")
     linked = {target.skeleton.names[b] for b in plan.links.target}
-    for bone in rig.pose_of(target.object).bones:
+    for bone in () if on_controls else rig.pose_of(target.object).bones:
         active = [c.name for c in bone.constraints if c.enabled and c.influence > 0.0]
         if bone.name in linked and active:
             out.append(

@@ -60,6 +60,19 @@ def pose_bone(ob: bpy.types.Object, name: str) -> bpy.types.PoseBone:
     return pose_of(ob).bones[name]
 
 
+def selected_bones(ob: bpy.types.Object) -> list[str]:
+    """Return the names of the selected bones of an armature.
+
+    Raises:
+        RigError: None is selected.
+    """
+    new = "select" in bpy.types.PoseBone.bl_rna.properties  # up to Blender 4.5 the armature's bones are selected
+    found = [bone.name for bone in pose_of(ob).bones if (bone if new else bone.bone).select]  # type: ignore[union-attr]
+    if not found:
+        raise RigError(f"no bone of {ob.name!r} is selected: select those that shall move in Pose mode")
+    return found
+
+
 def read(ob: bpy.types.Object) -> Rig:
     """Return an armature object's rest, armature space, and its place in the world.
 

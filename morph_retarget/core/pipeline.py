@@ -10,7 +10,7 @@ import numpy as np
 from . import quat
 from .arrays import Array, Flags, Indices
 from .ground import Ground
-from .mocap import feet, kinematics, planting, root_motion, transfer, twist
+from .mocap import feet, kinematics, mirroring, planting, root_motion, transfer, twist
 from .mocap.links import NONE
 from .mocap.motion import Motion, SourceMotion
 from .mocap.plan import Plan
@@ -76,6 +76,8 @@ def evaluate(
             shape (frame, foot, 3), NaN where the pose counts: blended by themselves (Feng 2013 §5.2).
     """
     source = SourceMotion.read(plan, pose, seconds_per_frame, standing, ankles)
+    if plan.settings.mirror:
+        source = mirroring.mirrored(source, plan.links, plan.transfer.post)
     meant = transfer.target_turns(plan.transfer, source.turns)
     turns = meant
     if plan.directions:

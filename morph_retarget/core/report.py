@@ -6,6 +6,21 @@ from typing import Any
 from .mocap.measure import Measures
 from .mocap.plan import Plan
 
+FIELDS: Mapping[str, str] = {
+    "source": "the clip",
+    "target": "the rig",
+    "frames": "how many were transferred",
+    "seconds_per_stage": "time for `sample`, `analyze`, `transfer` and `write`",
+    "joints_mapped": "bones that were given the motion",
+    "bone_direction_error_deg": "angle between bones of source and target: `mean`, `median`, `p95`, `max`",
+    "bone_twist_error_deg": "twist that planting has added, likewise",
+    "foot_slide_m_per_s": "mean speed of standing feet along the ground: `source` (at the target's size), `target`",
+    "ground_penetration_m": "how deep a sole sinks at `max`",
+    "pose_jump_deg": "largest turn of a joint in one frame: `max`, and the source's own `source_max`",
+    "warnings": "what you should know",
+}
+"""Meaning of what `describe` returns."""
+
 
 def describe(
     source: str,

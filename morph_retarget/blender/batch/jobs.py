@@ -31,6 +31,8 @@ class Wish:
     """Folder that files are named from."""
     where: str = ""
     """Where it was written, for messages: file and line."""
+    name: str = ""
+    """What it is called where parts of it are refused: file and number."""
     by_folder: bool = False
     """Sources are files below ``base``, none a pattern, whose folders count."""
 
@@ -49,6 +51,8 @@ class Job:
     options: Mapping[str, str | bool]
     labels: tuple[str, str]
     """Source and target as they are named in reports."""
+    place: tuple[str, str] = ("", "")
+    """`where` and `name` of its wish."""
 
     @property
     def inputs(self) -> tuple[Path, ...]:
@@ -62,6 +66,21 @@ class Job:
         if self.action is not None:
             out.append("--all-actions" if self.action == EVERY else f"--action={self.action}")
         return out
+
+
+@dataclass(frozen=True)
+class Refused:
+    """What was asked for and cannot be done; it costs nothing but itself."""
+
+    name: str
+    """Once in a batch."""
+    error: str
+    """One line that names the place and says what to do."""
+    labels: tuple[str, str] = ("", "")
+    """Source and target as they were written, as far as they are known."""
+
+
+Item = Job | Refused
 
 
 def as_arguments(options: Mapping[str, str | bool]) -> list[str]:
@@ -93,10 +112,11 @@ def usual_options() -> dict[str, object]:
 
 
 def check_options(options: Mapping[str, str | bool]) -> None:
-    """Check values of options, before anything is read.
+    """Check values of options, before anything is read; those that name files are left to the jobs.
 
     Raises:
         MorphError: One cannot be used.
     """
-    arguments = read_arguments(["source", "target", "--out=out.blend", *as_arguments(options)])
+    told = {name: value for name, value in options.items() if name not in FILES}
+    arguments = read_arguments(["source", "target", "--out=out.blend", *as_arguments(told)])
     retargeting.options_of(arguments)

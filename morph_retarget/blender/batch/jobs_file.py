@@ -7,28 +7,22 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import FileError, MorphError, listed
-from .jobs import FILES, Wish, check_options, usual_options
+from .jobs import FILES, Refused, Wish, check_options, usual_options
 
 _OWN = ("source", "target", "out")
 
 
-def read(path: Path) -> list[Wish]:
-    """Return what a file asks for.
+def read(path: Path) -> list[Wish | Refused]:
+    """Return what a file asks for; a job with a key or value that no job can have is refused, with its line.
 
     Raises:
-        FileError: It cannot be read, is no TOML, or has a key or value that no job can have; with the line.
+        FileError: The file cannot be read, is no TOML, or says something wrong for all jobs; with the line.
     """
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise FileError(f"{path}: cannot be read as text: check the path and save it as UTF-8") from error
-    try:
-        found = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
-        line = int(place[1]) if place and place[1] else max(len(text.splitlines()), 1)
-        reason = str(error)[: place.start()] if place else str(error)
-        raise FileError(f"{path}:{line}: is no TOML ({reason[:1].lower() + reason[1:]}): mend this line") from error
+    found = _parsed(text, path)
     lines = _Lines(path, text)
     for key in found:
         if key not in ("defaults", "job"):
@@ -41,7 +35,28 @@ def read(path: Path) -> list[Wish]:
     if not jobs:
         raise FileError(f"{path}: holds no jobs: write [[job]] with source and target")
     _check_keys(defaults, lines, None)
-    return [_wish(job, defaults, i, lines) for i, job in enumerate(jobs)]
+    out: list[Wish | Refused] = []
+    for i, job in enumerate(jobs):
+        try:
+            out.append(_wish(job, defaults, i, lines))
+        except FileError as error:
+            out.append(Refused(lines.called(i), str(error), (_shown(job.get("source")), _shown(job.get("target")))))
+    return out
+
+
+def _parsed(text: str, path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r" \(at (?:line (\d+), column \d+|end of document)\)$", str(error))
+        rows = text.splitlines()
+        line = int(place[1]) if place and place[1] else max(len(rows), 1)
+        reason = str(error)[: place.start()] if place else str(error)
+        key = re.match(r"""\s*["']?([\w-]+)["']?\s*=""", rows[line - 1] if line <= len(rows) else "")
+        what = f"mend {key[1]!r} in this line" if key else "mend this line"
+        raise FileError(f"{path}:{line}: is no TOML ({reason[:1].lower() + reason[1:]}): {what}") from error
+    except (ValueError, RecursionError) as error:  # numbers of very many digits are no decoding errors
+        raise FileError(f"{path}: is no TOML ({error or 'nested too deeply'}): mend it") from error
 
 
 class _Lines:
@@ -50,6 +65,10 @@ class _Lines:
     def __init__(self, path: Path, text: str) -> None:
         self._path, self._rows = path, text.splitlines()
         self.folder = path.absolute().parent
+
+    def called(self, job: int) -> str:
+        """Return what a job is called where no result gives it a name."""
+        return f"{self._path.name}: job {job + 1}"
 
     def of(self, key: str, job: int | None = None, table: bool = False) -> str:
         """Return file and line of a key.
@@ -130,9 +149,19 @@ def _wish(job: Mapping[str, Any], defaults: Mapping[str, Any], number: int, line
             if not Path(str(options[key])).is_file():
                 raise FileError(f"{lines.of(key, number)}: {options[key]}: no such file: check the path")
     return Wish(
-        _listed(both["source"]), _listed(both["target"]), both.get("out"), options, base, lines.of("source", number)
+        _listed(both["source"]),
+        _listed(both["target"]),
+        both.get("out"),
+        options,
+        base,
+        lines.of("source", number),
+        lines.called(number),
     )
 
 
 def _listed(value: Any) -> tuple[str, ...]:
     return (value,) if isinstance(value, str) else tuple(value)
+
+
+def _shown(value: object) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value or "")

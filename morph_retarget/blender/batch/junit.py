@@ -6,7 +6,7 @@ from xml.etree import ElementTree as Xml
 
 from .results import Result, Status
 
-_KINDS = {Status.FAILED: "failure", Status.CRASHED: "error", Status.TIMEOUT: "error"}
+_KINDS = {Status.FAILED: "failure", Status.CRASHED: "error", Status.TIMEOUT: "error", Status.STOPPED: "error"}
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 

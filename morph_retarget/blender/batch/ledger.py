@@ -5,11 +5,12 @@ the last one and counts as not written. The last line of a job counts.
 """
 
 import contextlib
+import errno
 import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, BinaryIO, TextIO
 
 from ...core.errors import FileError
 from .prints import digest
@@ -23,7 +24,7 @@ BEGUN, DONE, LOST = "begun", "done", "lost"
 class Ledger:
     """The record of one run, and of those before it."""
 
-    def __init__(self, folder: Path, entries: Mapping[str, dict[str, Any]], stream: TextIO) -> None:
+    def __init__(self, folder: Path, entries: Mapping[str, dict[str, Any]], stream: BinaryIO) -> None:
         self._folder, self._entries, self._stream = folder, dict(entries), stream
         self._before: dict[str, dict[str, Any]] = {}
 
@@ -34,6 +35,9 @@ class Ledger:
             name: Of the job.
             key: What it depends on, see `prints.key`.
             worker: Process number.
+
+        Raises:
+            FileError: It cannot be written, as when the disk is full; so for `done` and `lost`.
         """
         self._before[name] = self.entry(name)
         self._add({"job": name, "state": BEGUN, "key": key, "worker": worker})
@@ -42,6 +46,7 @@ class Ledger:
         """Record that a job is done, with what its results hold."""
         files = {file: digest(self._folder / file) for file in answer.files}
         told = {"reports": list(answer.reports), "seconds": answer.seconds, "files": files}
+        told["drawings"] = list(answer.drawings)
         self._add({"job": name, "state": DONE, "key": key, **told})
 
     def lost(self, name: str) -> None:
@@ -69,12 +74,16 @@ class Ledger:
         return entry.get("state") == DONE and all(digest(self._folder / file) == was for file, was in there.items())
 
     def _add(self, entry: dict[str, Any]) -> None:
-        self._entries[entry["job"]] = entry
+        """Write a line, whole or not at all."""
+        line, size = json.dumps(entry).encode() + b"\n", self._stream.seek(0, os.SEEK_END)
         try:
-            self._stream.write(json.dumps(entry) + "\n")
-            self._stream.flush()
+            if self._stream.write(line) < len(line):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
         except OSError as error:
-            raise FileError(f"{self._folder}: nothing can be written there ({error.strerror})") from error
+            with contextlib.suppress(OSError):  # what is cut short counts as not written anyway
+                self._stream.truncate(size)
+            raise FileError(f"{self._folder}: the record cannot be written ({error.strerror}): free space") from error
+        self._entries[entry["job"]] = entry
 
 
 @contextlib.contextmanager
@@ -103,7 +112,7 @@ def opened(folder: Path, part: str, resume: bool) -> Iterator[Ledger]:
             fresh = path.with_suffix(f".{os.getpid()}")
             fresh.write_text("".join(json.dumps(entry) + "\n" for entry in entries.values()), encoding="utf-8")
             fresh.replace(path)
-            stream = stack.enter_context(path.open("a", encoding="utf-8"))
+            stream = stack.enter_context(path.open("ab", buffering=0))
         except OSError as error:
             raise FileError(f"{place}: cannot be written ({error.strerror}): choose another folder") from error
         yield Ledger(folder, entries, stream)
@@ -114,11 +123,27 @@ def _read(path: Path) -> dict[str, dict[str, Any]]:
     lines = path.read_bytes().split(b"\n")
     for i, line in enumerate(lines[:-1]):  # behind the last line break is nothing, or a line that was cut short
         try:
-            entry = json.loads(line)
+            entry = _checked(json.loads(line))
             out[entry["job"]] = entry
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
             raise FileError(f"{path}:{i + 1}: is damaged: delete the file and run without --resume") from error
     return out
+
+
+def _checked(entry: Any) -> dict[str, Any]:
+    """Return an entry that is one; others raise what `_read` expects."""
+    kinds = {"job": str, **_KINDS[entry["state"]]}
+    if not all(isinstance(entry[name], kind) for name, kind in kinds.items()):
+        raise TypeError("a value is of another kind")
+    return entry
+
+
+_KINDS: Mapping[str, Mapping[str, Any]] = {
+    BEGUN: {"key": str, "worker": int},
+    DONE: {"key": str, "reports": list, "seconds": int | float, "files": dict},
+    LOST: {},
+}
+"""What entries hold besides the job, by their states."""
 
 
 def _lock(stream: TextIO, folder: Path) -> None:

@@ -4,12 +4,12 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ...core.errors import FileError, MorphError, listed
+from ...core.errors import FileError, MorphError
 from ..cli.outputs import Outputs
 from ..io import save
 from . import files
 from .files import Found
-from .jobs import EVERY, Job, Wish, check_options
+from .jobs import EVERY, Item, Job, Refused, Wish, check_options
 
 OUT = "{target}/{folder}/{source}.glb"
 OUT_EVERY = "{target}/{folder}/{source}_{action}.glb"
@@ -17,61 +17,106 @@ OUT_EVERY = "{target}/{folder}/{source}_{action}.glb"
 _FIELDS = ("{folder}", "{source}", "{target}", "{action}")
 
 
-def plan(wishes: Sequence[Wish], folder: Path) -> list[Job]:
-    """Return the jobs that wishes mean, in order.
+def plan(wishes: Sequence[Wish | Refused], folder: Path) -> list[Item]:
+    """Return the jobs that wishes mean, in order, and in their places what cannot be meant.
+
+    A file that is missing or lies where the results go, a result that would lie outside of the folder or is that of
+    another job too: each is refused alone.
 
     Args:
         wishes: What is asked for.
         folder: Of the results.
 
     Raises:
-        FileError: A file is missing, a result would lie outside of the folder, two would get the same file, or an
-            input lies where results do. The message begins with the place of the wish.
+        FileError: Nothing is left to be done; with the first thing that is wrong.
     """
-    jobs: list[Job] = []
-    places: dict[str, str] = {}
+    items: list[Item] = []
     for wish in wishes:
-        try:
-            for job in _jobs(wish, folder):
-                key = os.path.normcase(job.out)
-                if key in places:
-                    raise FileError(
-                        f"{job.name}: would hold {job.labels[0]} on {job.labels[1]} and also {places[key]}: "
-                        "tell them apart with {folder}, {source} and {target}"
-                    )
-                places[key] = f"{job.labels[0]} on {job.labels[1]}"
-                jobs.append(job)
-        except MorphError as error:
-            raise FileError(f"{wish.where}: {error}" if wish.where else str(error)) from error
-    if not jobs:
-        raise FileError("no job is left: each clip and rig are the same file: choose other rigs")
-    _check_nested(jobs)
-    return jobs
+        items += [wish] if isinstance(wish, Refused) else _items(wish, folder)
+    items = _not_nested(_apart(items))
+    if not any(isinstance(item, Job) for item in items):
+        refused = [item.error for item in items if isinstance(item, Refused)]
+        more = f" (and {len(refused) - 1} more)" if len(refused) > 1 else ""
+        alone = "no job is left: each clip and rig are the same file: choose other rigs"
+        raise FileError(refused[0] + more if refused else alone)
+    return items
 
 
-def chunk(jobs: Sequence[Job], number: int, count: int) -> list[Job]:
-    """Return every ``count``-th job from the ``number``-th on, counted from 1: a share of work for one machine."""
-    return list(jobs[number - 1 :: count])
+def chunk(items: Sequence[Item], number: int, count: int) -> list[Item]:
+    """Return every ``count``-th item from the ``number``-th on, counted from 1: a share of work for one machine."""
+    return list(items[number - 1 :: count])
 
 
-def _jobs(wish: Wish, folder: Path) -> Iterator[Job]:
-    check_options(wish.options)
-    look = files.as_found if wish.by_folder else files.find
-    sources = [found for text in wish.sources for found in look(text, wish.base)]
-    targets = [found for text in wish.targets for found in files.find(text, wish.base)]
-    for found in (*sources, *targets):
-        _check_input(found, folder)
+def _items(wish: Wish, folder: Path) -> Iterator[Item]:
+    try:
+        check_options(wish.options)
+        if wish.out is not None:
+            _check_template(wish.out)
+    except MorphError as error:
+        yield _refused(wish, error)
+        return
+    sources: list[Found] = []
+    targets: list[Found] = []
+    for texts, out, look in (
+        (wish.sources, sources, files.as_found if wish.by_folder else files.find),
+        (wish.targets, targets, _rigs),
+    ):
+        for text in texts:
+            try:
+                found = look(text, wish.base)
+            except MorphError as error:
+                yield _refused(wish, error, text)
+                continue
+            for own in found:
+                try:
+                    _check_input(own, folder)
+                    out.append(own)
+                except MorphError as error:
+                    yield _refused(wish, error, own.label)
     every = bool(wish.options.get("all-actions")) or any(found.action == EVERY for found in sources)
     template = (OUT_EVERY if every else OUT) if wish.out is None else wish.out
-    _check_template(template)
-    for found in targets:
-        if found.action is not None:
-            raise FileError(f"{found.label}: a rig has no action: use the option armature to choose one of several")
     for source in sources:
         for target in targets:
             if source.path.samefile(target.path) and (source.by_pattern or target.by_pattern):
                 continue  # a pattern means the others
-            yield _job(wish, source, target, template, folder)
+            try:
+                yield _job(wish, source, target, template, folder)
+            except MorphError as error:
+                yield _refused(wish, error, labels=(source.label, target.label))
+
+
+def _rigs(text: str, base: Path) -> list[Found]:
+    found = files.find(text, base)
+    if found[0].action is not None:
+        raise FileError(f"{found[0].label}: a rig has no action: use the option armature to choose one of several")
+    return found
+
+
+def _refused(wish: Wish, error: MorphError, text: str = "", labels: tuple[str, str] | None = None) -> Refused:
+    """Return a wish, a text of it or a pair as refused."""
+    what = " on ".join(labels) if labels else text
+    told = ", ".join(wish.sources), ", ".join(wish.targets)
+    return Refused(
+        ": ".join(filter(None, (wish.name, what))) or "jobs",
+        f"{wish.where}: {error}" if wish.where else str(error),
+        labels or told,
+    )
+
+
+def _apart(items: Sequence[Item]) -> Iterator[Item]:
+    """Yield items; a job that would have the same result as another before it is refused."""
+    places: dict[str, str] = {}
+    for item in items:
+        if isinstance(item, Refused):
+            yield item
+            continue
+        key, pair = os.path.normcase(item.out), " on ".join(item.labels)
+        if key in places:
+            told = f"{item.name}: would hold {pair} and also {places[key]}"
+            yield _unfit(item, f"{told}: tell them apart with {{folder}}, {{source}} and {{target}}")
+        else:
+            places[key] = pair
+            yield item
 
 
 def _check_input(found: Found, folder: Path) -> None:
@@ -106,7 +151,8 @@ def _job(wish: Wish, source: Found, target: Found, template: str, folder: Path) 
     if not _inside(out, folder):
         raise FileError(f"{template}: leads out of {folder} for {source.label}: results stay below it")
     name = out.relative_to(folder).as_posix()
-    return Job(source.path, source.action, target.path, out, name, wish.options, (source.label, target.label))
+    labels, place = (source.label, target.label), (wish.where, wish.name)
+    return Job(source.path, source.action, target.path, out, name, wish.options, labels, place)
 
 
 def _inside(path: Path, folder: Path) -> bool:
@@ -114,9 +160,18 @@ def _inside(path: Path, folder: Path) -> bool:
     return path.resolve().is_relative_to(folder.resolve()) and path.resolve() != folder.resolve()
 
 
-def _check_nested(jobs: Sequence[Job]) -> None:
-    """Check that no result has the name of a folder that another needs."""
-    folders = {folder for job in jobs for folder in job.out.parents}
-    wrong = [job.name for job in jobs if job.out in folders]
-    if wrong:
-        raise FileError(f"{listed(wrong)}: would be a file and a folder: give results other names")
+def _not_nested(items: Iterator[Item]) -> list[Item]:
+    """Return items; results that have the name of a folder that another needs are refused."""
+    own = list(items)
+    folders = {folder for item in own if isinstance(item, Job) for folder in item.out.parents}
+    told = "would be a file and a folder: give results other names"
+    return [
+        _unfit(item, f"{item.name}: {told}") if isinstance(item, Job) and item.out in folders else item for item in own
+    ]
+
+
+def _unfit(job: Job, error: str) -> Refused:
+    """Return that a job is refused for what it would write."""
+    place, name = job.place
+    where = f"{place}: {error}" if place else error
+    return Refused(": ".join(filter(None, (name, " on ".join(job.labels)))), where, job.labels)

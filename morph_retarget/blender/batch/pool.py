@@ -4,7 +4,7 @@ import os
 import queue
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from ...core.errors import FileError
@@ -74,7 +74,7 @@ class Pool:
         self._told: queue.SimpleQueue[tuple[Process, Message]] = queue.SimpleQueue()
         self._failed_starts = 0
 
-    def run(self) -> Iterator[Began | Result | None]:
+    def run(self) -> Generator[Began | Result | None, None, None]:
         """Do all tasks.
 
         Yields:
@@ -176,4 +176,5 @@ def _result(seat: _Seat, message: dict[str, object]) -> Result:
         return Result(seat.task.job, Answer(Status.FAILED, str(error), seconds))
     reports: Sequence[dict[str, object]] = message["reports"]  # type: ignore[assignment]
     files: Sequence[str] = message["files"]  # type: ignore[assignment]
-    return Result(seat.task.job, Answer(Status.OK, "", seconds, reports, files))
+    drawings: Sequence[str] = message.get("drawings", ())  # type: ignore[assignment]
+    return Result(seat.task.job, Answer(Status.OK, "", seconds, reports, files, drawings))

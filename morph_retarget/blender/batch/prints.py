@@ -42,7 +42,7 @@ class Prints:
             FileError: An input cannot be read.
         """
         options = {name: value for name, value in job.options.items() if name not in FILES}
-        inputs = [[self._of(own) for own in (path, *_beside(path))] for path in job.inputs]
+        inputs = [[self._of(own) for own in (path, *beside(path))] for path in job.inputs]
         text = json.dumps([self._version, job.name, job.action, options, inputs], sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()
 
@@ -52,13 +52,14 @@ class Prints:
         return self._known[path]
 
 
-def _beside(path: Path) -> Iterator[Path]:
+def beside(path: Path) -> Iterator[Path]:
     """Yield the files with the numbers of a .gltf, which holds none itself."""
     if path.suffix.lower() != ".gltf":
         return
     try:
         buffers = json.loads(path.read_bytes())["buffers"]
         names = [unquote(buffer["uri"]) for buffer in buffers if not buffer["uri"].startswith("data:")]
-    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        found = [path.parent / name for name in names if (path.parent / name).is_file()]
+    except (OSError, ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return  # no glTF: what is wrong with it is told when it is opened
-    yield from (found for name in names if (found := path.parent / name).is_file())
+    yield from found

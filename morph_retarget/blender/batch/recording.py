@@ -1,13 +1,14 @@
 """A run of jobs with its record: what is done already, what may be replaced, what came of the rest."""
 
-from collections.abc import Iterator, Sequence
+import contextlib
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...core.errors import FileError
 from . import gates
 from .gates import Gate
-from .jobs import Job
+from .jobs import Item, Job, Refused
 from .ledger import BEGUN, DONE, Ledger
 from .pool import Began, Pool, Settings, Task
 from .prints import Prints
@@ -29,32 +30,38 @@ class Rules:
 
 
 def run(
-    jobs: Sequence[Job], rules: Rules, ledger: Ledger, prints: Prints, settings: Settings
-) -> Iterator[Result | None]:
-    """Do jobs, and yield what came of each as it ends; None now and then.
+    items: Sequence[Item], rules: Rules, ledger: Ledger, prints: Prints, settings: Settings
+) -> Generator[Result | None, None, None]:
+    """Do jobs, and yield what came of each as it ends, first of those that are not to be done; None now and then.
 
     Raises:
-        FileError: Workers do not start, or the record cannot be written.
+        FileError: Workers do not start.
     """
     tasks: list[Task] = []
     keys: dict[str, str] = {}
-    for job in jobs:
+    for item in items:
+        if isinstance(item, Refused):
+            yield Result(item, Answer(Status.FAILED, item.error))
+            continue
         try:
-            keys[job.name] = prints.key(job)
-            before = _before(job, keys[job.name], rules, ledger)
+            keys[item.name] = prints.key(item)
+            before = _before(item, keys[item.name], rules, ledger)
         except FileError as error:
-            before = Result(job, Answer(Status.FAILED, str(error)))
+            before = Result(item, Answer(Status.FAILED, str(error)))
         if before is None:
-            tasks.append(Task(job, rules.overwrite or (rules.resume and ledger.ours(job.name))))
+            tasks.append(Task(item, rules.overwrite or (rules.resume and ledger.ours(item.name))))
         else:
             yield _judged(before, rules)
-    for event in Pool(tasks, settings).run():
-        if isinstance(event, Began):
-            ledger.begun(event.job.name, keys[event.job.name], event.worker)
-        elif event is not None:
-            yield _judged(_recorded(event, keys[event.job.name], rules, ledger), rules)
-        else:
-            yield None
+    with contextlib.closing(Pool(tasks, settings).run()) as events:
+        for event in events:
+            if isinstance(event, Began):
+                # Where that cannot be recorded, neither can the end: then it is told.
+                with contextlib.suppress(FileError):
+                    ledger.begun(event.job.name, keys[event.job.name], event.worker)
+            elif event is not None:
+                yield _judged(_recorded(event, keys, rules, ledger), rules)
+            else:
+                yield None
 
 
 def _before(job: Job, key: str, rules: Rules, ledger: Ledger) -> Result | None:
@@ -63,7 +70,8 @@ def _before(job: Job, key: str, rules: Rules, ledger: Ledger) -> Result | None:
     if entry.get("state") == BEGUN:
         sweep(job.out.parent, entry["worker"])
     if entry.get("state") == DONE and entry["key"] == key and ledger.whole(job.name):
-        return Result(job, Answer(Status.SKIPPED, "", entry["seconds"], entry["reports"], tuple(entry["files"])))
+        told = entry["seconds"], entry["reports"], tuple(entry["files"]), entry.get("drawings", ())
+        return Result(job, Answer(Status.SKIPPED, "", *told))
     if not rules.overwrite and job.out.exists() and not ledger.ours(job.name):
         error = f"{job.name}: is there already, and is not what a run wrote: move it away, or use --overwrite"
         return Result(job, Answer(Status.FAILED, error))
@@ -74,15 +82,19 @@ def _before(job: Job, key: str, rules: Rules, ledger: Ledger) -> Result | None:
     return None
 
 
-def _recorded(result: Result, key: str, rules: Rules, ledger: Ledger) -> Result:
+def _recorded(result: Result, keys: Mapping[str, str], rules: Rules, ledger: Ledger) -> Result:
     """Record what came of a job, its files named from the folder of the results on."""
-    if result.answer.status is not Status.OK:
-        ledger.lost(result.job.name)
-        return result
-    files = [Path(file).relative_to(rules.folder).as_posix() for file in result.answer.files]
-    answer = replace(result.answer, files=files)
-    ledger.done(result.job.name, key, answer)
-    return replace(result, answer=answer)
+    name = result.job.name
+    try:
+        if result.answer.status is not Status.OK:
+            ledger.lost(name)
+            return result
+        files = [Path(file).relative_to(rules.folder).as_posix() for file in result.answer.files]
+        result = replace(result, answer=replace(result.answer, files=files))
+        ledger.done(name, keys[name], result.answer)
+    except FileError as error:
+        return result.failing(str(error)) if result.good else result
+    return result
 
 
 def _judged(result: Result, rules: Rules) -> Result:

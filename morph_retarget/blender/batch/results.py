@@ -1,17 +1,18 @@
 """What became of jobs."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any
 
-from .jobs import Job
+from .jobs import Item, Job
 
 
 class Status(StrEnum):
     """How a job ended."""
 
     OK = "ok"
+    """It is done."""
     FAILED = "failed"
     """An input could not be used, or a gate was not passed."""
     SKIPPED = "skipped"
@@ -20,9 +21,31 @@ class Status(StrEnum):
     """The process that worked on it ended."""
     TIMEOUT = "timeout"
     """It took too long."""
+    STOPPED = "stopped"
+    """The run was ended before it."""
 
 
 GOOD = (Status.OK, Status.SKIPPED)
+REPORT_FIELDS: Mapping[str, str] = {
+    "program": "what did it: its version and Blender's",
+    "seconds": "how long it took in all",
+    "counts": "how many jobs ended in each way",
+    "jobs": "all of them, in the order of the request",
+}
+"""Meaning of the fields of a batch's report."""
+FIELDS: Mapping[str, str] = {
+    "name": "of the job: that of its result",
+    "source": "the clip",
+    "target": "the rig",
+    "status": "how it ended",
+    "error": "what was wrong, in one line; null when all is well",
+    "seconds": "that it took",
+    "files": "results, from the output folder on",
+    "measures": "reports of `retarget`, one for each action",
+    "log": "last lines of a worker that was lost",
+    "command": "for jobs that are not done: the arguments that do the same alone",
+}
+"""Meaning of what `Result.described` returns."""
 
 
 @dataclass(frozen=True)
@@ -37,15 +60,17 @@ class Answer:
     """Reports of ``retarget``, one for each action."""
     files: Sequence[str] = ()
     """Results that were written."""
+    drawings: Sequence[str] = ()
+    """How they look, as SVG, one for each report."""
     log: Sequence[str] = ()
     """Last lines that a crashed worker said."""
 
 
 @dataclass(frozen=True)
 class Result:
-    """A job and what became of it."""
+    """A job, or what was refused, and what became of it."""
 
-    job: Job
+    job: Item
     answer: Answer
 
     @property
@@ -59,7 +84,6 @@ class Result:
 
     def described(self) -> dict[str, Any]:
         """Return its entry in the report."""
-        told = asdict(self.answer)
         source, target = self.job.labels
         entry: dict[str, Any] = {
             "name": self.job.name,
@@ -68,12 +92,12 @@ class Result:
             "status": self.answer.status.value,
             "error": self.answer.error or None,
             "seconds": round(self.answer.seconds, 3),
-            "files": list(told["files"]),
-            "measures": list(told["reports"]),
+            "files": list(self.answer.files),
+            "measures": list(self.answer.reports),
         }
         if self.answer.log:
-            entry["log"] = list(told["log"])
-        if not self.good:
+            entry["log"] = list(self.answer.log)
+        if not self.good and isinstance(self.job, Job):
             entry["command"] = ["morph_retarget", "retarget", *self.job.argv]
         return entry
 

@@ -14,9 +14,12 @@ from typing import Any, NoReturn, TextIO
 import bpy
 
 from ...core.errors import FileError, MorphError
+from ...core.validation import markup
+from .. import rig
 from ..cli import retargeting
 from ..cli.messages import NAME
-from . import jobs
+from ..retarget import Outcome
+from . import jobs, pictures
 
 OUT_OF_MEMORY = 77
 """Exit status."""
@@ -46,12 +49,17 @@ def run(memory: int | None) -> NoReturn:
 
 def _answer(request: dict[str, Any]) -> dict[str, Any]:
     """Do a job; errors that are no `MorphError` are mistakes of ours, and end the process with their trace."""
+    drawings: list[str] = []
+
+    def look(ob: bpy.types.Object, outcome: Outcome) -> None:
+        drawings.append(markup.svg(pictures.strip_of(ob, outcome), rig.scene_of().frame_start))
+
     try:
-        done = retargeting.perform(jobs.read_arguments(request["argv"]), fresh=request["fresh"])
+        done = retargeting.perform(jobs.read_arguments(request["argv"]), request["fresh"], look)
     except MorphError as error:
         return {"error": " ".join(str(error).split())}
     reports = [report | {"warnings": _texts(report["warnings"])} for report in done.reports]
-    return {"reports": reports, "files": [str(path) for path in done.files]}
+    return {"reports": reports, "files": [str(path) for path in done.files], "drawings": drawings}
 
 
 def _texts(warnings: Any) -> list[str]:

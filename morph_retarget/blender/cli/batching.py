@@ -6,28 +6,28 @@ import json
 import os
 import signal
 import sys
-import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import bpy
-
 from ...core.errors import FileError, MorphError
-from ..batch import files, gates, jobs_file, junit, ledger, plan, recording, worker
-from ..batch.jobs import FILES, Job, Wish, usual_options
+from .. import version
+from ..batch import files, gates, jobs_file, junit, ledger, plan, recording, summary, worker
+from ..batch.jobs import FILES, Item, Job, Refused, Wish, usual_options
 from ..batch.pool import Settings
 from ..batch.prints import Prints
 from ..batch.progress import Progress
 from ..batch.recording import Rules
-from ..batch.results import Result, counted
+from ..batch.results import Answer, Result, Status, counted
 from ..io import save
 from . import numbers, retargeting
 from .messages import say
-from .validating import MANIFEST
 
 FAILED = 1
 WORKER = "worker"
+_REQUESTS = (signal.SIGINT, signal.SIGTERM)
+"""Ask the program to end."""
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -103,46 +103,71 @@ def run(arguments: argparse.Namespace) -> int:
         raise FileError(f"{arguments.out}: is no folder: name one")
     number, count = arguments.chunk
     part = f".{number}-of-{count}" if count > 1 else ""
-    jobs = plan.chunk(plan.plan(_wishes(arguments, folder), folder), number, count)
-    report, xml = folder / f"report{part}.json", folder / f"junit{part}.xml"
+    items = plan.chunk(plan.plan(_wishes(arguments, folder), folder), number, count)
+    reports = _Reports(folder / f"report{part}.json", folder / f"junit{part}.xml", folder / f"index{part}.html")
     if not (arguments.resume or arguments.overwrite):
-        _check_new(jobs, (report, xml))
+        _check_new(items, reports)
     rules = Rules(folder, arguments.resume, arguments.overwrite, arguments.fail_on)
-    progress = Progress(len(jobs), sys.stderr)
+    progress = Progress(len(items), sys.stderr)
+    with _stoppable(), ledger.opened(folder, part, arguments.resume) as record:
+        doing = recording.run(items, rules, record, Prints(version.told()), _settings(arguments))
+        results = _followed(doing, progress)
+        left = _left(items, results)
+        if left:
+            say(f"stopped after {len(results)} of {len(items)} jobs: go on with --resume")
+        order = {item.name: i for i, item in enumerate(items)}
+        results = sorted([*results, *left], key=lambda result: order[result.job.name])
+        _write(reports, results, progress.seconds)
+    counts = ", ".join(f"{count} {status}" for status, count in counted(results).items() if count)
+    print(f"{len(results)} jobs in {progress.seconds:.1f} s: {counts or 'nothing to do'}: {reports.json}")
+    return 0 if all(result.good for result in results) else FAILED
+
+
+def _followed(doing: Generator[Result | None, None, None], progress: Progress) -> list[Result]:
+    """Return what came of jobs as far as they were done before somebody stopped them."""
     results: list[Result] = []
     try:
-        with _stoppable(), ledger.opened(folder, part, arguments.resume) as record:
-            for found in recording.run(jobs, rules, record, Prints(version()), _settings(arguments)):
+        with contextlib.closing(doing):
+            for found in doing:
                 if found is None:
                     progress.renew()
                 else:
                     results.append(found)
                     progress.ended(found)
     except KeyboardInterrupt:
+        pass  # what is left is told
+    finally:
         progress.close()
-        say(f"stopped after {len(results)} of {len(jobs)} jobs: go on with --resume")
-        return FAILED
-    progress.close()
-    order = {job.name: i for i, job in enumerate(jobs)}
-    results.sort(key=lambda result: order[result.job.name])
+    return results
+
+
+def _left(items: Sequence[Item], results: Sequence[Result]) -> list[Result]:
+    """Return the jobs that nothing came of since the run was stopped."""
+    ended = {result.job.name for result in results}
+    told = Answer(Status.STOPPED, "the run was stopped before it was done: go on with --resume")
+    return [Result(item, told) for item in items if item.name not in ended]
+
+
+@dataclass(frozen=True)
+class _Reports:
+    """Where the reports go."""
+
+    json: Path
+    xml: Path
+    page: Path
+
+
+def _write(reports: _Reports, results: Sequence[Result], seconds: float) -> None:
     with save.Outbox() as outbox:
-        outbox.text(report, json.dumps(_described(results, progress.seconds), indent=1, ensure_ascii=False) + "\n")
-        outbox.text(xml, junit.document(results, progress.seconds))
-    told = ", ".join(f"{count} {status}" for status, count in counted(results).items() if count)
-    print(f"{len(results)} jobs in {progress.seconds:.1f} s: {told or 'nothing to do'}: {report}")
-    return 0 if all(result.good for result in results) else FAILED
-
-
-def version() -> str:
-    """Return what does the jobs."""
-    own = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
-    return f"{own['name']} {own['version']}, Blender {bpy.app.version_string}"
+        outbox.text(reports.json, json.dumps(_described(results, seconds), indent=1, ensure_ascii=False) + "\n")
+        outbox.text(reports.xml, junit.document(results, seconds))
+        outbox.text(reports.page, summary.page(results, seconds, version.told()))
 
 
 # --- what is asked for ---
 
 
-def _wishes(arguments: argparse.Namespace, out: Path) -> list[Wish]:
+def _wishes(arguments: argparse.Namespace, out: Path) -> list[Wish | Refused]:
     source, options = Path(arguments.jobs), _options(arguments)
     if not source.is_dir():
         if source.suffix.lower() != ".toml":
@@ -181,9 +206,10 @@ def _options(arguments: argparse.Namespace) -> dict[str, str | bool]:
     return out
 
 
-def _check_new(jobs: Sequence[Job], reports: Sequence[Path]) -> None:
+def _check_new(items: Sequence[Item], reports: _Reports) -> None:
     """Check that nothing would be replaced."""
-    there = [path for path in (*(job.out for job in jobs), *reports) if path.exists()]
+    results = [item.out for item in items if isinstance(item, Job)]
+    there = [path for path in (*results, reports.json, reports.xml, reports.page) if path.exists()]
     if there:
         more = f" and {len(there) - 1} more" if len(there) > 1 else ""
         raise FileError(
@@ -201,12 +227,17 @@ def _settings(arguments: argparse.Namespace) -> Settings:
 
 @contextlib.contextmanager
 def _stoppable() -> Iterator[None]:
-    """Let requests to end the program arrive as `KeyboardInterrupt`, so that workers are ended too."""
+    """Let the first request to end the program arrive as `KeyboardInterrupt`; more of them change nothing.
+
+    Workers are ended then, and what is known is reported, which takes a moment and shall not be cut short.
+    """
 
     def stop(*_: object) -> None:
+        for number in _REQUESTS:
+            signal.signal(number, signal.SIG_IGN)
         raise KeyboardInterrupt
 
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = {number: signal.signal(number, stop) for number in _REQUESTS}
     try:
         yield
     finally:
@@ -216,8 +247,9 @@ def _stoppable() -> Iterator[None]:
 
 
 def _described(results: Sequence[Result], seconds: float) -> dict[str, Any]:
+    # What is meant stands in `results.REPORT_FIELDS`.
     return {
-        "program": version(),
+        "program": version.told(),
         "seconds": round(seconds, 3),
         "counts": counted(results),
         "jobs": [result.described() for result in results],

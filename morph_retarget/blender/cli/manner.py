@@ -26,6 +26,11 @@ _SWITCHES: Mapping[str, tuple[str, str]] = {
         "else no)",
         "avoids_collisions",
     ),
+    "above_ground": (
+        "turn hands, tails and wings up where they would go below the ground (default: as the character's file says, "
+        "else yes)",
+        "keeps_above_ground",
+    ),
     "joint_limits": (
         "turn no bone further than its own limits for inverse kinematics allow (default: as the character's file "
         "says, else yes)",

@@ -27,8 +27,10 @@ def axes(arguments: argparse.Namespace) -> tuple[Array | None, Array | None]:
 
 def armature_here(text: str) -> bpy.types.Object | None:
     """Return the armature of the open file that is called ``text``, unless there is a file of that name."""
+    if Path(text).exists() or any("\ud800" <= sign <= "\udfff" for sign in text):
+        return None  # a file; one whose name is no Unicode would trip Blender up
     found = bpy.data.objects.get(text)
-    return found if found is not None and found.type == "ARMATURE" and not Path(text).exists() else None
+    return found if found is not None and found.type == "ARMATURE" else None
 
 
 def open_rig(text: str, armature: str | None, fresh: bool = True) -> tuple[bpy.types.Object, str]:

@@ -28,10 +28,10 @@ _EXAMPLES = """examples:
 def main(argv: Sequence[str]) -> int:
     """Run one command and return its exit status.
 
-    0: all well. 1: some job failed. 2: the request or an input was unusable.
+    0: all well. 1: some job failed, or was stopped. 2: the request or an input was unusable.
     """
     try:
-        arguments = _parser().parse_args(list(argv))
+        arguments = parser().parse_args(list(argv))
     except SystemExit as done:  # what argparse does after help and after usage errors
         return int(done.code or 0)
     try:
@@ -39,6 +39,9 @@ def main(argv: Sequence[str]) -> int:
     except MorphError as error:
         say(str(error))
         return UNUSABLE
+    except KeyboardInterrupt:
+        say("stopped")
+        return batching.FAILED
 
 
 class _Parser(argparse.ArgumentParser):
@@ -48,17 +51,18 @@ class _Parser(argparse.ArgumentParser):
         self.exit(UNUSABLE, f"{self.prog}: {message}: see {self.prog} --help\n")
 
 
-def _parser() -> argparse.ArgumentParser:
+def parser() -> argparse.ArgumentParser:
+    """Return what reads the command line."""
     looks: dict[str, Any] = {
         "epilog": _EXAMPLES.format(prog=NAME),
         "formatter_class": argparse.RawDescriptionHelpFormatter,
     }
-    parser = _Parser(prog=NAME, description="Give any motion to any rig.", **looks)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    whole = _Parser(prog=NAME, description="Give any motion to any rig.", **looks)
+    commands = whole.add_subparsers(dest="command", required=True, metavar="COMMAND")
     mapping.add_to(commands.add_parser("map", help="tell what a rig is", **looks))
     retargeting.add_to(commands.add_parser("retarget", help="give a clip to one or more rigs", **looks))
     playing.add_to(commands.add_parser("play", help="let characters play an action, or do what a script says", **looks))
     validating.add_to(commands.add_parser("validate", help="judge generalized actions on many characters", **looks))
     batching.add_to(commands.add_parser("batch", help="give many clips to many rigs, in worker processes", **looks))
     batching.add_worker_to(commands.add_parser(batching.WORKER))  # without help, it is not listed
-    return parser
+    return whole

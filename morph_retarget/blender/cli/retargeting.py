@@ -1,7 +1,7 @@
 """``retarget SOURCE TARGET… -o OUT``: give a clip to one or more rigs."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,8 +13,10 @@ from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
 from .. import actions, presets, retarget, rig, sampling, terrain
+from ..controls.carrying import Onto
 from ..io import load, save
 from ..io.load import Request
+from ..laying import Lay
 from ..retarget import Options, Outcome, Reference, Source
 from . import numbers
 from .messages import naming, say
@@ -72,6 +74,13 @@ def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: i
     group.add_argument(
         "--root", choices=[r.value for r in RootMotion], default="hips", help="what carries the root motion"
     )
+    group.add_argument("--mirror", action="store_true", help="change left and right over")
+    group.add_argument(
+        "--controls",
+        choices=[o.value for o in Onto],
+        default="auto",
+        help="which controls of a rig get the keys, none for its bones (default: fk where a rig has controls)",
+    )
     group.add_argument(
         "--scale",
         type=numbers.above_zero,
@@ -88,6 +97,16 @@ def _add_key_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore
         help="frame rate of the result (default: the target .blend's, else the clip's)",
     )
     group.add_argument("--resample", action="store_true", help="key whole frames where the rates differ")
+    group.add_argument(
+        "--lay",
+        choices=[lay.value for lay in Lay],
+        default="replace",
+        help="what becomes of the target's own animation: stash puts the result on a muted NLA track, "
+        "add lays what it changes over it",
+    )
+    group.add_argument(
+        "--bones", metavar="NAMES", default="", help="move only these bones or controls, as 'head,hand.L'"
+    )
     group.add_argument("--name", default=Options.name, help=f"name of the new action (default {Options.name!r})")
 
 
@@ -119,12 +138,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def perform(arguments: argparse.Namespace, fresh: bool = False) -> Done:
+def perform(
+    arguments: argparse.Namespace,
+    fresh: bool = False,
+    look: Callable[[bpy.types.Object, Outcome], None] | None = None,
+) -> Done:
     """Retarget all pairs and write the results: all of them, or none.
 
     Args:
         arguments: As `add_to` describes them.
         fresh: Refuse to replace files.
+        look: Is shown each target while it plays what it was given.
 
     Raises:
         MorphError: The request or an input cannot be used.
@@ -150,6 +174,8 @@ def perform(arguments: argparse.Namespace, fresh: bool = False) -> Done:
                 named = arguments.source if len(sources) == 1 else f"{arguments.source}#{source.clip.name}"
                 reports.append(outcome.report | {"source": named, "target": text})
                 warnings += outcome.warnings
+                if look is not None:
+                    look(ob, outcome)
                 if outputs.separate:
                     files.append(_free(outputs.path(text, source.clip.name), fresh))
                     outbox.rigs(files[-1], [ob])
@@ -224,13 +250,29 @@ def options_of(arguments: argparse.Namespace) -> Options:
         reach_hands=arguments.hands,
         root_motion=carrier,
         scale=arguments.scale or 0.0,
+        mirror=arguments.mirror,
         feet=replace(FeetSettings(), lock=arguments.lock),
     )
-    return Options(settings, kind, frame, arguments.frames, arguments.name, arguments.resample)
+    return Options(
+        settings,
+        kind,
+        frame,
+        arguments.frames,
+        arguments.name,
+        arguments.resample,
+        onto=Onto(arguments.controls),
+        only=frozenset(name.strip() for name in arguments.bones.split(",") if name.strip()),
+        lay=Lay(arguments.lay),
+        controls=_read_controls(arguments.map),
+    )
 
 
 def _read_map(path: str | None) -> dict[str, str]:
     return {} if path is None else presets.load(Path(path))
+
+
+def _read_controls(path: str | None) -> dict[str, str]:
+    return {} if path is None else presets.load_controls(Path(path))
 
 
 # --- sources ---

@@ -3,7 +3,6 @@
 import argparse
 import contextlib
 import json
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from itertools import groupby
@@ -17,7 +16,7 @@ from ...core.validation import grid, page
 from ...core.validation.cell import Cell, Status
 from ...core.validation.grid import Grid
 from ...core.verdicts.judging import DEFAULT, Limits
-from .. import retarget, rig
+from .. import retarget, rig, version
 from ..io import save
 from ..morph import cast
 from ..properties import of_rig
@@ -33,7 +32,6 @@ FAILED = 1
 FPS = 24.0
 """Frames a second at which all are judged; what turns how far in one frame depends on it."""
 REPORT, PAGE, PICTURE = "report.json", "index.html", "grid.png"
-MANIFEST = Path(__file__).resolve().parents[3] / "blender_manifest.toml"
 
 
 def add_to(parser: argparse.ArgumentParser) -> None:
@@ -114,7 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
             found = list(_judged(job))
         finally:
             cast.forget(rig=True)
-        result = Grid([cell for _, cell in sorted(found, key=_place)], _settings(job), _version())
+        result = Grid([cell for _, cell in sorted(found, key=_place)], _settings(job), version.told())
         if arguments.compare:
             result = replace(result, changes=grid.changes_since(Path(arguments.compare), result.cells))
         with save.Outbox() as outbox:
@@ -259,11 +257,6 @@ def _settings(job: _Job) -> dict[str, Any]:
     left_out = {"run", "command", "out", "compare", *(f"max_{field.name}" for field in fields(Limits))}
     given = {name: value for name, value in vars(job.arguments).items() if name not in left_out}
     return given | {"limits": asdict(job.limits)}
-
-
-def _version() -> str:
-    own = tomllib.loads(MANIFEST.read_text(encoding="utf-8"))
-    return f"{own['name']} {own['version']}, Blender {bpy.app.version_string}"
 
 
 def _told(result: Grid) -> Iterator[str]:

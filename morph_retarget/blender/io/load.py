@@ -14,6 +14,7 @@ from ...core.errors import FileError, listed
 from .. import actions
 from ..rig import armature_of, scene_of
 from . import addons, bvh_check, gltf
+from .failing import letting_go, reason_of
 from .quiet import quiet
 
 KINDS = (".bvh", ".fbx", ".glb", ".gltf", ".vrm", ".blend")
@@ -195,17 +196,16 @@ def _import(path: Path) -> None:
 def _run(path: Path, operator: object, actual: Path | None = None, **options: object) -> None:
     """Run an importer; what it reports as an error, or trips over, becomes one line that names the file."""
     try:
-        result = operator(filepath=str(actual or path), **options)  # type: ignore[operator]
+        with letting_go():
+            result = operator(filepath=str(actual or path), **options)  # type: ignore[operator]
     except (RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError, UnicodeError, OSError) as error:
         packed = gltf.compression(path) if path.suffix.lower() in _GLTF else None
         if packed is not None:
             raise FileError(
                 f"{path}: is compressed ({packed}), which this Blender cannot read: export it without compression"
             ) from error
-        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-        # What a failing importer says last but for the place in Blender's code.
-        told = [line for line in lines if not line.startswith(("Location:", "File ", "Traceback"))]
-        reason = (told[-1] if told else type(error).__name__).removeprefix("Error: ")
-        raise FileError(f"{path}: cannot be read ({reason}): check that it is whole, or export it again") from error
+        raise FileError(
+            f"{path}: cannot be read ({reason_of(error)}): check that it is whole, or export it again"
+        ) from error
     if "FINISHED" not in result:
         raise FileError(f"{path}: Blender's importer gave up: check that it is whole, or export it again")

@@ -11,6 +11,7 @@ from mathutils import Matrix
 from ...core.errors import FileError
 from ..rig import armature_of, scene_of
 from . import addons
+from .failing import letting_go, reason_of
 from .quiet import quiet
 
 KINDS = (".blend", ".glb", ".fbx", ".bvh")
@@ -76,12 +77,12 @@ class Outbox:
         self._write(path, lambda temporary: _WRITERS[kind](temporary, armatures))
 
     def text(self, path: Path, text: str) -> None:
-        """Write a text file.
+        """Write a text file; names of files that are no Unicode are told with escapes, as JSON has them.
 
         Raises:
             FileError: It cannot be written.
         """
-        self._write(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+        self._write(path, lambda temporary: temporary.write_text(text, encoding="utf-8", errors="backslashreplace"))
 
     def made(self, path: Path, make: Callable[[Path], object]) -> None:
         """Write a file as ``make`` does, which is told where.
@@ -98,7 +99,7 @@ class Outbox:
         if final in self._waiting.values():
             raise FileError(f"{path}: two results would get this file: tell them apart in its name")
         self._waiting[temporary] = final
-        with _explained(path), quiet():
+        with _explained(path), quiet(errors=True), letting_go():
             write(temporary)
         if not temporary.exists():
             raise FileError(f"{path}: Blender wrote nothing: check the disk and the folder's permissions")
@@ -123,8 +124,9 @@ def _explained(path: Path) -> Iterator[None]:
     try:
         yield
     except (OSError, RuntimeError) as error:
-        reason = str(error).strip().splitlines()[-1].removeprefix("Error: ")
-        raise FileError(f"{path}: cannot be written ({reason}): check the disk and the folder's permissions") from error
+        raise FileError(
+            f"{path}: cannot be written ({reason_of(error)}): check the disk and the folder's permissions"
+        ) from error
 
 
 def _write_blend(path: Path, _: Sequence[bpy.types.Object]) -> None:

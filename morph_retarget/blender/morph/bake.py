@@ -14,6 +14,7 @@ from ...core.play import Played
 from .. import actions, channels, keying, retarget
 from ..locomotion import walks
 from ..locomotion.walks import Taken
+from ..templates import filled
 from . import cast, clip, deform_keys, events, jiggles, pose
 from .cast import Member
 from .clip import Clip
@@ -185,7 +186,4 @@ def action_name(template: str, action: str, character: str) -> str:
     Raises:
         MotionError: The template has a field besides ``{action}`` and ``{character}``, or a lone brace.
     """
-    try:
-        return template.format(action=action, character=character)
-    except (KeyError, IndexError, ValueError, AttributeError) as error:
-        raise MotionError(f"action name {template!r}: use {{action}} and {{character}} and no other braces") from error
+    return filled(template, "action name", action=action, character=character)

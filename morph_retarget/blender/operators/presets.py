@@ -7,7 +7,7 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...core.character import joints as joint_names
-from ...core.errors import FileError, RigError
+from ...core.errors import FileError, MappingError, RigError
 from .. import collect, presets, rig
 from ..properties import of_rig
 from .manners import Status, refuse, reporting, rig_meant, scene_in, shown_rig
@@ -23,13 +23,20 @@ def _joints(ob: bpy.types.Object) -> dict[str, str]:
     return found
 
 
-def _use(context: bpy.types.Context, ob: bpy.types.Object, given: dict[str, str]) -> None:
-    """Give a rig a joint map; all of it, or nothing where a bone is missing."""
-    joint_names.check_names(given, rig.read(ob).skeleton)
+def _use(context: bpy.types.Context, ob: bpy.types.Object, path: Path) -> None:
+    """Give a rig a joint map and its controls; all of it, or nothing where a bone is missing."""
+    given, controls = presets.load(path), presets.load_controls(path)
+    skeleton = rig.read(ob).skeleton
+    joint_names.check_names(given, skeleton)
+    missing = [bone for bone in controls.values() if bone not in skeleton.index]
+    if missing:
+        raise MappingError(f"{path}: names the control {missing[0]!r}, which {ob.name!r} does not have: correct it")
     if not of_rig(ob).joints:
         of_rig(ob).show(collect.target_of(ob)[1])
     for joint, bone in given.items():
         of_rig(ob).assign(joint, bone, by="preset")
+    for joint, control in controls.items():
+        of_rig(ob).joints[joint].control = control
     analyze(scene_in(context), ob)
 
 
@@ -52,7 +59,8 @@ class MORPHRETARGET_OT_save_preset(bpy.types.Operator):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        presets.save(presets.path_of(self.name), _joints(rig_meant(context, self.rig)))
+        ob = rig_meant(context, self.rig)
+        presets.save(presets.path_of(self.name), _joints(ob), of_rig(ob).controls())
         self.report({"INFO"}, f"Saved joint preset {self.name!r}")
         return {"FINISHED"}
 
@@ -71,7 +79,7 @@ class MORPHRETARGET_OT_load_preset(bpy.types.Operator):
         path = presets.path_of(self.name)
         if not path.exists():
             raise FileError(f"there is no preset {self.name!r}: choose one of {', '.join(presets.names()) or 'none'}")
-        _use(context, rig_meant(context, self.rig), presets.load(path))
+        _use(context, rig_meant(context, self.rig), path)
         return {"FINISHED"}
 
 
@@ -103,7 +111,8 @@ class MORPHRETARGET_OT_export_map(bpy.types.Operator, ExportHelper):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        presets.save(Path(self.properties.filepath), _joints(rig_meant(context, self.rig)))
+        ob = rig_meant(context, self.rig)
+        presets.save(Path(self.properties.filepath), _joints(ob), of_rig(ob).controls())
         return {"FINISHED"}
 
 
@@ -119,7 +128,7 @@ class MORPHRETARGET_OT_import_map(bpy.types.Operator, ImportHelper):
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        _use(context, rig_meant(context, self.rig), presets.load(Path(self.properties.filepath)))
+        _use(context, rig_meant(context, self.rig), Path(self.properties.filepath))
         return {"FINISHED"}
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from .. import actions, collect, live, retarget
+from .. import collect, laying, live, retarget
 from ..collect import Clips
 from ..properties import of_rig, of_scene
 from ..retarget import Outcome
@@ -29,22 +29,18 @@ def steps(
         MorphError: See `retarget.retarget`.
     """
     retarget.check_target(target)
-    options, before = of_scene(scene).options(), actions.assigned(target)
+    options = collect.options_of(scene, target)
     own, character = collect.target_of(target)
     ground = collect.ground_of(scene, character)
     done: list[Outcome] = []
-    try:
+    with laying.undone_if_it_fails(target, done):
         for i, (action, slot) in enumerate(clips):
             sampling = collect.source_of(source, action, slot, scene)
-            clip = yield from retarget.within(i / len(clips), (i + 1) / len(clips), sampling)
+            clip = yield from retarget.within(i / len(clips), (i + 0.5) / len(clips), sampling)
             given = collect.contacts_of(source, action)
-            done.append(retarget.retarget(clip, own, character, options, scene, given, ground))
+            work = retarget.in_steps(clip, own, character, options, scene, given, ground)
+            done.append((yield from retarget.within((i + 0.5) / len(clips), (i + 1) / len(clips), work)))
             yield (i + 1) / len(clips)
-    except BaseException:
-        actions.assign(target, *before)
-        for outcome in done:
-            bpy.data.actions.remove(outcome.action)
-        raise
     return done
 
 
@@ -71,7 +67,10 @@ class MORPHRETARGET_OT_retarget(Stepping, bpy.types.Operator):
         settings = of_scene(scene)
         source = collect.chosen(self.source, settings.source, "source")
         self._target = collect.chosen(self.target, settings.target, "target")
-        clips = collect.actions_of(source, self.action, self.all_actions or settings.all_actions)
+        self.all_actions = self.all_actions or (settings.all_actions and not self.action)
+        clips = collect.actions_of(source, self.action, self.all_actions)
+        self.source, self.target = source.name, self._target.name
+        self.action = "" if self.all_actions else clips[0][0].name
         return steps(scene, source, self._target, clips)
 
     def finish(self, _: bpy.types.Context, outcomes: list[Outcome]) -> Status:

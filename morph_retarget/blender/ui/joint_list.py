@@ -23,8 +23,10 @@ REQUIRED = frozenset(
 
 
 def label(joint: str) -> str:
-    """Return a joint's name for people: "Left Upper Arm"."""
-    return re.sub(r"(?<!^)(?=[A-Z])", " ", joint).title()
+    """Return a joint's name for people: "Upper Arm L", short enough for a narrow sidebar."""
+    words = re.sub(r"(?<!^)(?=[A-Z])", " ", joint).title()
+    side, _, rest = words.partition(" ")
+    return f"{rest} {side[0]}" if side in ("Left", "Right") else words
 
 
 def icon(joint: MORPHRETARGET_PG_joint) -> Any:
@@ -57,9 +59,9 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
         _active_property: str | None,
         *_: Any,
     ) -> None:
-        split = layout.split(factor=0.46)
+        split = layout.split(factor=0.52)
         split.label(text=label(item.name), icon=icon(item), translate=False)
-        split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="", icon="BONE_DATA")
+        split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="")
 
     def draw_filter(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row = layout.row(align=True)

@@ -10,8 +10,9 @@ import bpy
 from .. import live, presets
 from ..operators.retargeting import latest
 from ..properties import MORPHRETARGET_PG_scene, of_rig, of_scene
+from ..rig import armature_of
 from .joint_list import icon
-from .tab import InTab, say, split_layout
+from .tab import InTab, say, split_layout, told
 
 
 def _settings(context: bpy.types.Context) -> MORPHRETARGET_PG_scene:
@@ -46,14 +47,17 @@ class MORPHRETARGET_PT_main(InTab, bpy.types.Panel):
         self, context: bpy.types.Context, layout: bpy.types.UILayout, settings: MORPHRETARGET_PG_scene
     ) -> None:
         if settings.source is None or settings.target is None:
-            say(layout, "Choose the armature that moves and the one that shall move", "INFO", context)
+            if sum(ob.type == "ARMATURE" for ob in bpy.data.objects) < 2:
+                say(layout, "Bring a clip and a character into the file first: File > Import", "INFO", context)
+            else:
+                say(layout, "Choose the armature that moves and the one that shall move", "INFO", context)
             return
         if settings.source == settings.target:
             say(layout, "Source and target are the same armature", "ERROR", context)
             return
         data = settings.source.animation_data
         if data is None or data.action is None:
-            say(layout, f"{settings.source.name} plays no action", "ERROR", context)
+            say(layout, told("{name} plays no action", name=settings.source.name), "ERROR", context)
             return
         layout.prop(settings, "all_actions")
         if not settings.all_actions:
@@ -78,12 +82,17 @@ class MORPHRETARGET_PT_main(InTab, bpy.types.Panel):
             return
         box = layout.box().column(align=True)
         box.scale_y = 0.8
-        box.label(text=f"{report['source']}: {report['frames']} frames", icon="CHECKMARK", translate=False)
+        title = told("{source}: {frames} frames", source=report["source"], frames=report["frames"])
+        box.label(text=title, icon="CHECKMARK", translate=False)
         slide, deep = report["foot_slide_m_per_s"], report["ground_penetration_m"]["max"]
         error = report["bone_direction_error_deg"]
-        box.label(text=f"Foot slide {100 * slide['target']:.1f} cm/s (source {100 * slide['source']:.1f})")
-        box.label(text=f"Below ground {100 * deep:.1f} cm")
-        box.label(text=f"Bone directions {error['mean']:.1f}° off, at most {error['max']:.0f}°")
+        ways = {name: 100.0 * value for name, value in slide.items()}
+        for text in (
+            told("Foot slide {target:.1f} cm/s (source {source:.1f})", **ways),
+            told("Below ground {depth:.1f} cm", depth=100.0 * deep),
+            told("Bone directions {mean:.1f}° off, at most {most:.0f}°", mean=error["mean"], most=error["max"]),
+        ):
+            box.label(text=text, translate=False)
 
 
 class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
@@ -119,6 +128,9 @@ class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
         column = layout.column(align=True)
         column.use_property_split = True
         column.use_property_decorate = False
+        if settings.shown == "TARGET" and 0 <= rig.active_joint < len(rig.joints):
+            joint = rig.joints[rig.active_joint]
+            column.prop_search(joint, "control", armature_of(ob), "bones", icon="BONE_DATA")
         column.prop(rig, "up")
         column.prop(rig, "forward")
 
@@ -175,9 +187,11 @@ class MORPHRETARGET_PT_transfer(InTab, bpy.types.Panel):
         if settings.reference == "frame":
             column.prop(settings, "reference_frame")
         column.prop(settings, "matching")
+        layout.prop(settings, "onto")
         layout.prop(settings, "root_motion")
         layout.prop(settings, "scale")
         layout.prop(settings, "reach_hands")
+        layout.prop(settings, "mirror")
 
 
 class MORPHRETARGET_PT_feet(InTab, bpy.types.Panel):
@@ -200,7 +214,7 @@ class MORPHRETARGET_PT_feet(InTab, bpy.types.Panel):
             return
         rig = of_rig(settings.source)
         row.operator("morph_retarget.clear_contacts", text="", icon="X")
-        layout.label(text=f"For {rig.contacts_action}", icon="ACTION", translate=False)
+        layout.label(text=told("For {action}", action=rig.contacts_action), icon="ACTION", translate=False)
         row = layout.row()
         row.template_list("MORPHRETARGET_UL_contacts", "", rig, "contacts", rig, "active_contact", rows=5)
         buttons = row.column(align=True)
@@ -222,6 +236,8 @@ class MORPHRETARGET_PT_keys(InTab, bpy.types.Panel):
             column = layout.column(align=True)
             column.prop(settings, "frame_start")
             column.prop(settings, "frame_end")
+        layout.prop(settings, "lay")
+        layout.prop(settings, "selected_only")
         layout.prop(settings, "resample")
         layout.prop(settings, "keep_others")
 

@@ -26,31 +26,70 @@ def parse(text: str, origin: str) -> dict[str, str]:
     Raises:
         MappingError: It is no JSON, or no joint map.
     """
-    try:
-        data = json.loads(text)
-    except json.JSONDecodeError as error:
-        raise MappingError(
-            f"{origin}: line {error.lineno} is no JSON ({error.msg}): mend it or save the map again"
-        ) from error
-    table: Any = cast("dict[str, Any]", data).get("joints", data) if isinstance(data, dict) else None
-    if not isinstance(table, dict):
-        raise MappingError(f'{origin}: is no joint map: it should look like {{"joints": {{"hips": "Bone"}}}}')
     out: dict[str, str] = {}
-    for joint, entry in cast("dict[str, Any]", table).items():
+    for joint, entry in _entries(text, origin):
+        if isinstance(entry, dict) and "bone" not in entry and "control" in entry:
+            continue  # it says nothing of the bone
         bone: Any = cast("dict[str, Any]", entry).get("bone") if isinstance(entry, dict) else entry
-        if joint not in PARENTS:
-            raise MappingError(
-                f"{origin}: unknown joint {joint!r}: use VRM 1.0 names such as {', '.join(list(PARENTS)[:6])}"
-            )
         if bone is not None and not isinstance(bone, str):
             raise MappingError(f"{origin}: joint {joint} is mapped to {bone!r}: give the name of a bone")
         out[joint] = bone or ""
     return out
 
 
-def preset(joints: Mapping[str, str]) -> str:
-    """Return joints, joint to bone, as the text of a preset."""
-    return json.dumps({"format": FORMAT, "joints": dict(joints)}, indent=2, ensure_ascii=False) + "\n"
+def parse_controls(text: str, origin: str) -> dict[str, str]:
+    """Return the controls that a map names, joint to bone: ``{"hips": {"bone": "DEF-spine", "control": "torso"}}``.
+
+    Args:
+        text: JSON.
+        origin: Where it came from, for messages.
+
+    Raises:
+        MappingError: It is no JSON, or no joint map.
+    """
+    out: dict[str, str] = {}
+    for joint, entry in _entries(text, origin):
+        control: Any = cast("dict[str, Any]", entry).get("control") if isinstance(entry, dict) else None
+        if control is not None and not isinstance(control, str):
+            raise MappingError(f"{origin}: joint {joint} has the control {control!r}: give the name of a bone")
+        if control:
+            out[joint] = control
+    return out
+
+
+def _entries(text: str, origin: str) -> list[tuple[str, Any]]:
+    """Return what a map says, joint by joint.
+
+    Raises:
+        MappingError: See `parse`.
+    """
+    try:
+        data = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise MappingError(
+            f"{origin}: line {error.lineno} is no JSON ({error.msg}): mend it or save the map again"
+        ) from error
+    except (ValueError, RecursionError) as error:  # numbers of very many digits, and brackets in brackets
+        raise MappingError(f"{origin}: is no joint map: save the map again") from error
+    table: Any = cast("dict[str, Any]", data).get("joints", data) if isinstance(data, dict) else None
+    if not isinstance(table, dict):
+        raise MappingError(f'{origin}: is no joint map: it should look like {{"joints": {{"hips": "Bone"}}}}')
+    found = list(cast("dict[str, Any]", table).items())
+    for joint, _ in found:
+        if joint not in PARENTS:
+            raise MappingError(
+                f"{origin}: unknown joint {joint!r}: use VRM 1.0 names such as {', '.join(list(PARENTS)[:6])}"
+            )
+    return found
+
+
+def preset(joints: Mapping[str, str], controls: Mapping[str, str] | None = None) -> str:
+    """Return joints and the controls that the user has named, joint to bone, as the text of a preset."""
+    named = controls or {}
+    table = {
+        joint: {"bone": bone, "control": named[joint]} if joint in named else bone for joint, bone in joints.items()
+    }
+    return json.dumps({"format": FORMAT, "joints": table}, indent=2, ensure_ascii=False) + "\n"
 
 
 def describe(name: str, character: Character) -> dict[str, Any]:

@@ -41,6 +41,8 @@ class RetargetSettings:
     root_motion: RootMotion = RootMotion.HIPS
     scale: float = 0.0
     """Target's travel over the source's; 0 takes the ratio of leg lengths."""
+    mirror: bool = False
+    """Change left and right over."""
     contacts: ContactSettings = field(default_factory=ContactSettings)
     feet: FeetSettings = field(default_factory=FeetSettings)
     solver: JacobianSettings = field(default_factory=JacobianSettings)

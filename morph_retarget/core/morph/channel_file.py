@@ -43,6 +43,8 @@ def parse(text: str, origin: str) -> tuple[Channel, ...]:
         data: Any = json.loads(text)
     except json.JSONDecodeError as error:
         raise MotionError(f"{origin}: line {error.lineno} is no JSON ({error.msg}): save the preset again") from error
+    except (ValueError, RecursionError) as error:  # numbers of very many digits, and brackets in brackets
+        raise MotionError(f"{origin}: is no preset of channels: save one from a generalized action") from error
     table = cast("dict[str, Any]", data) if isinstance(data, dict) else {}
     rows: Any = table.get("channels")
     if not isinstance(rows, list) or not rows:

@@ -11,6 +11,22 @@ from ..play import Played
 from .bind import Binding
 from .bodies import Bodies
 
+FIELDS: Mapping[str, str] = {
+    "source": "the action",
+    "target": "the character",
+    "frames": "how many were played",
+    "seconds_per_stage": "time for `bind`, `sample`, `evaluate` and `write`",
+    "channels": "by name: the `bodies` that a channel selects, and how far they stay from their goals, "
+    "`goal_error_m` (`mean`, `max`)",
+    "variant": "which of the ways to play it is, from 0",
+    "variants": "how many ways there are",
+    "ground_penetration_m": "how deep a joint sinks at `max`",
+    "events": "`name` and `frame` of each pose marker",
+    "problems": "what of the action does not play on this character, and why",
+    "warnings": "what else you should know",
+}
+"""Meaning of what `describe` returns."""
+
 
 @dataclass(frozen=True)
 class Fit:

@@ -9,6 +9,29 @@ from typing import Any
 from ..verdicts.verdict import Verdict
 from .drawing import Strip
 
+FIELDS: Mapping[str, str] = {
+    "action": "the action",
+    "character": "the character",
+    "status": "`passed`, `failed`, or `does not apply`: the action does not bind there, which counts neither way",
+    "verdicts": "by name; none where nothing was played",
+    "problems": "what of the action does not play, and why",
+    "error": "what went wrong, empty where nothing did",
+    "frames": "how many were judged",
+    "variant": "which of the ways to play was judged, from 0",
+    "variants": "how many ways there are",
+    "seconds": "time to play and to judge",
+}
+"""Meaning of what `Cell.described` returns."""
+VERDICT_FIELDS: Mapping[str, str] = {
+    "value": "what was measured, at its worst; null where it could not be, which fails",
+    "limit": "the most that passes",
+    "unit": "of both",
+    "passed": "whether it keeps within the limit",
+    "where": "body at which it is at its worst",
+    "frame": "in which it is so",
+}
+"""Meaning of a verdict in it."""
+
 
 class Status(StrEnum):
     """What became of a cell."""

@@ -15,6 +15,19 @@ import numpy as np
 from ..errors import FileError
 from .cell import Cell, Status
 
+FIELDS: Mapping[str, str] = {
+    "version": "of the product and of Blender",
+    "settings": "options and limits that it was made with",
+    "pass_rate": "share of the cells that pass, of those that apply; null where none does",
+    "passed": "how many cells pass",
+    "failed": "how many fail",
+    "does_not_apply": "how many count neither way",
+    "failed_by_verdict": "how many cells fail each verdict, and how many could not be played (`error`)",
+    "compared": "with `--compare`: `regressions`, `mended`, `new` and `gone` cells, as pairs of action and character",
+    "cells": "all of them, what is to be seen first before the others",
+}
+"""Meaning of what `Grid.described` returns."""
+
 
 @dataclass(frozen=True)
 class Changes:
@@ -137,7 +150,7 @@ def earlier(path: Path) -> dict[tuple[str, str], str]:
         return {(str(cell["action"]), str(cell["character"])): str(cell["status"]) for cell in told["cells"]}
     except OSError as error:
         raise FileError(f"{path}: cannot be read ({error.strerror}): give the report.json of an earlier run") from error
-    except (ValueError, KeyError, TypeError) as error:
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise FileError(f"{path}: is no report of a validation: give the report.json of an earlier run") from error
 
 

@@ -1,0 +1,408 @@
+"""Motion for deform bones as channels of the controls that pose them."""
+
+from collections.abc import Collection, Generator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+
+import bpy
+import numpy as np
+
+from ...core.arrays import Array, Indices
+from ...core.character.character import Character
+from ...core.character.control_names import Limb
+from ...core.character.controls import Controls, Setting, Wanted, joints_without, read
+from ...core.errors import RigError, listed
+from ...core.mocap import carrying
+from ...core.mocap.carrying import Handle, Handling, Seen, Values
+from ...core.mocap.links import NONE, LimbLinks, Links
+from ...core.mocap.measure import Spread, direction_errors
+from ...core.mocap.motion import Motion
+from ...core.mocap.plan import Plan
+from ...core.mocap.root_motion import RootMotion
+from ...core.pipeline import Result
+from .. import actions, channels
+from ..channels import Channel
+from ..rig import Rig, pose_bone
+from . import evaluating, reading
+from .evaluating import Stage
+
+PASSES = 6
+"""So often the whole motion is evaluated at most."""
+CLOSE_TURN = 0.001
+"""Controls that are no further off need no better answer [rad] …"""
+CLOSE_SWIVEL = 0.01
+"""… knees and elbows that are no further off about the lines of their limbs [rad] …"""
+CLOSE_PLACE = 1e-4
+"""… and hips, hands and feet that are no further off [heights]."""
+CLOSE_ENOUGH = 2.0
+"""A mean error of bones above this is worth a warning [degrees]."""
+BETTER = 0.7
+"""A pass that leaves more than this share of what was missing was the last."""
+
+
+class Onto(StrEnum):
+    """What a motion is written on."""
+
+    AUTO = "auto"
+    """Controls that turn parts where a rig has controls, else its bones."""
+    FK = "fk"
+    """Controls that turn parts."""
+    IK = "ik"
+    """Controls that bring hands and feet to places; those that turn parts for all else."""
+    NONE = "none"
+    """The bones that were mapped."""
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A motion on controls."""
+
+    channels: Sequence[Channel]
+    body: Sequence[str]
+    """Bones that it owns."""
+    motion: Motion
+    """What the deform bones do, as Blender evaluates them."""
+    described: dict[str, object]
+    """For reports."""
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What is to be carried, and where to."""
+
+    target: Rig
+    """With all its bones; the plan and the character may know only the deform bones among them."""
+    character: Character
+    plan: Plan
+    given: Mapping[str, str] = field(default_factory=dict[str, str])
+    """The user's own controls, by joint."""
+    only: Collection[str] = ()
+    """Bones or controls that are to be moved; all when empty."""
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """When a motion is keyed and shown."""
+
+    keyed: Array
+    """Frames of the scene, shape (n,)."""
+    places: Array | None
+    """Frames of the motion that these are, shape (n,); its own ones when None."""
+    shown: Array
+    """When the frames of the motion are shown [frames of the scene], shape (frame,)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """A task with the controls that were found for it."""
+
+    task: Task
+    controls: Controls
+    onto: Onto
+    rest: Sequence[Channel]
+    """Switches, one frame each."""
+
+    @property
+    def target(self) -> Rig:
+        """The rig."""
+        return self.task.target
+
+    @property
+    def plan(self) -> Plan:
+        """Of the pair."""
+        return self.task.plan
+
+
+def controls_of(stage: Stage, task: Task) -> Controls | None:
+    """Return the controls of a rig, None for one that has none.
+
+    Raises:
+        MappingError: A control that the user has named does not exist.
+    """
+    character, links = task.character, task.plan.links
+    names = character.skeleton.names
+    bones = [names[int(b)] for b in links.target]
+    roles = {joint: match.bone for joint, match in character.joints.items()}
+    by_joint = {roles[joint]: control for joint, control in task.given.items() if joint in roles}
+    limbs = [
+        Limb(
+            kind,
+            *(names[int(links.target[i])] for i in limb.chain[-3:]),
+            tip="" if limb.ball == NONE else names[int(links.target[limb.ball])],
+        )
+        for kind, found in (("leg", links.legs), ("arm", links.arms))
+        for limb in found
+        if _can_reach(links, limb)
+    ]
+    chains = [[names[bone] for bone in limb.bones] for limb in character.limbs]
+    return read(reading.facts(stage), Wanted(bones, roles, limbs, chains, by_joint))
+
+
+def _can_reach(links: Links, limb: LimbLinks) -> bool:
+    """Return whether inverse kinematics of two bones poses a limb: all of it besides a shoulder."""
+    return len(limb.chain) == 3 or (len(limb.chain) == 4 and links.names[limb.chain[0]].endswith("Shoulder"))
+
+
+def carry(
+    task: Task, result: Result, onto: Onto, times: Times, scene: bpy.types.Scene
+) -> Generator[float, None, Carried | None]:
+    """Carry a motion onto the controls of a rig in steps; yields the share done.
+
+    Args:
+        task: Where to.
+        result: The motion.
+        onto: Which controls.
+        times: When it is keyed.
+        scene: Gives the frame rate.
+
+    Returns:
+        None where the bones that were mapped are to be keyed.
+
+    Raises:
+        RigError: The rig has no controls, and they were asked for.
+        MappingError: A control that the user has named does not exist.
+    """
+    target = task.target
+    if onto is Onto.NONE or (onto is Onto.AUTO and not task.given and not reading.has_constraints(target.object)):
+        return None
+    with evaluating.stage(target, scene) as stage:
+        found = controls_of(stage, task)
+        if found is not None:
+            work = Work(task, found, onto, _settings(task, found, onto))
+            return (yield from _carry(stage, work, result, times))
+    if onto is Onto.AUTO and len(task.character.skeleton) == len(target.skeleton):
+        return None
+    raise RigError(
+        f"rig {target.name!r} has no controls that could be found: name them in the joint list, or write on its bones"
+    )
+
+
+def _carry(stage: Stage, work: Work, result: Result, times: Times) -> Generator[float, None, Carried]:
+    plan, frames, places = work.plan, times.keyed, times.places
+    handling = yield from _handling(stage, work)
+    motion, travels = result.motion, result.travel
+    if travels is not None and result.root_motion in (RootMotion.OBJECT, RootMotion.IN_PLACE):
+        motion = carrying.without(motion, travels, plan.target_rest[0])
+    beside = _beside(work, result, places)
+    goal = carrying.goal(handling, plan, motion if places is None else carrying.at(motion, places))
+    values = carrying.solve(handling, goal, handling.start(len(frames)), _repeated(handling.neutral, len(frames)))
+    height = plan.target.frame.height / plan.target.placement.scale
+    best: tuple[float, Values, Seen, Array] | None = None
+    passes = 0
+    while passes < PASSES:
+        passes += 1
+        made = [*beside, *_channels(work, handling, values)]
+        stage.show(_whole(work, made), frames)
+        seen, moves = yield from _seen(stage, work, handling, frames)
+        miss = carrying.miss(handling, goal, seen)
+        score = max(miss.turn / CLOSE_TURN, miss.swivel / CLOSE_SWIVEL, miss.place / (CLOSE_PLACE * height))
+        worse = best is not None and score > BETTER * best[0]
+        if best is None or score < best[0]:
+            best = score, values, seen, moves
+        if score <= 1.0 or worse:
+            break
+        goal = carrying.corrected(handling, goal, seen)
+        values = carrying.solve(handling, goal, values, seen)
+    assert best is not None, "there was at least one pass"
+    _, values, seen, moves = best
+    made = [*beside, *_channels(work, handling, values)]
+    if places is not None:
+        stage.show(_whole(work, made), frames)
+        seen, moves = yield from _seen(stage, work, handling, times.shown)
+    still = result.root_motion is not RootMotion.OBJECT
+    shown = carrying.shown(plan, seen, None if still else moves)
+    if travels is not None and result.root_motion is RootMotion.IN_PLACE:
+        shown = carrying.along(shown, travels, plan.target_rest[0])
+    error = Spread.of(direction_errors(plan.links, result.motion.points, shown.points))
+    own, body = [*made, *work.rest], _body(work)
+    if work.task.only:
+        moved = _chosen(work)
+        own = [*(channel for channel in made if channel.bone in moved), *work.rest]
+        body = [name for name in body if name in moved]
+    return Carried(own, body, shown, _described(work, passes, error), _warnings(work, error))
+
+
+def _repeated(seen: Seen, frames: int) -> Seen:
+    parts = (seen.rotations, seen.positions, seen.turned, seen.points)
+    return Seen(*(np.repeat(part, frames, axis=0) for part in parts))
+
+
+# --- what is moved ---
+
+
+def _chosen(work: Work) -> set[str]:
+    """Return the controls that the user wants to be moved."""
+    names, bodies, only = work.target.skeleton.names, work.plan.target.skeleton.names, set(work.task.only)
+    out: set[str] = set()
+    for handle in _handles(work):
+        links = (handle.link,) if handle.limb is None else handle.limb
+        bones = {bodies[int(work.plan.links.target[link])] for link in links}
+        if names[handle.control] in only or bones & only:
+            out.add(names[handle.control])
+    return out
+
+
+def _settings(task: Task, found: Controls, onto: Onto) -> list[Channel]:
+    """Return all switches as channels of one frame; of those that matter for the chosen bones, if some are chosen."""
+    target, only = task.target, set(task.only)
+    chosen: list[Setting] = list(found.settings)
+    for limb in found.limbs:
+        chosen += limb.reached if onto is Onto.IK else limb.turned
+    for bone, prop in found.kept:
+        value = pose_bone(target.object, bone).get(prop)
+        if isinstance(value, int | float):
+            chosen.append(Setting(bone, prop, float(value)))
+    if only:
+        both = [{*one.serves, *(found.turning.get(bone, bone) for bone in one.serves)} for one in chosen]
+        chosen = [one for one, bones in zip(chosen, both, strict=True) if bones & only]
+    return [reading.setting(one.bone, one.prop, np.array([[one.value]])) for one in chosen]
+
+
+def _handles(work: Work) -> list[Handle]:
+    """Return what is to be moved by which link, what carries others first."""
+    found, links, index = work.controls, work.plan.links, work.target.skeleton.index
+    names = work.plan.target.skeleton.names
+    reached = {limb.limb.end: limb for limb in found.limbs} if work.onto is Onto.IK else {}
+    own = {part for limb in reached.values() for part in (limb.limb.upper, limb.limb.middle, limb.limb.end)}
+    tips = {limb.limb.tip: limb.tip for limb in reached.values() if limb.tip is not None}
+    controlled = np.array([names[int(b)] in found.turning or names[int(b)] in own for b in links.target])
+    aims = carrying.aims(links, controlled)
+    out: list[Handle] = []
+    if found.trunk is not None:
+        out.append(Handle(index[found.trunk], 0, placed=True))
+    for i, bone in enumerate(names[int(b)] for b in links.target):
+        control = tips.get(bone) or found.turning.get(bone)
+        limb = reached.get(bone)
+        if limb is not None:
+            out.append(Handle(index[limb.control], i, placed=True))
+            chain = _chain(links, i)
+            if limb.pole is not None and chain is not None:
+                out.append(Handle(index[limb.pole], chain[0], limb=chain))
+        elif control is not None and bone not in own and index[control] not in [h.control for h in out]:
+            out.append(Handle(index[control], i, int(aims[i])))
+    return out
+
+
+def _chain(links: Links, end: int) -> tuple[int, int, int] | None:
+    """Return the links of the limb that ends in a link."""
+    limbs: Sequence[LimbLinks] = (*links.legs, *links.arms)
+    return next((limb.chain[-3:] for limb in limbs if limb.end == end and len(limb.chain) >= 3), None)  # type: ignore[misc]
+
+
+def _handling(stage: Stage, work: Work) -> Generator[float, None, Handling]:
+    """Evaluate the rig with its controls at rest and its switches set."""
+    handles = _handles(work)
+    names, skeleton = work.target.skeleton.names, work.target.skeleton
+    place = {names[handle.control]: i for i, handle in enumerate(handles)}
+    for limb in work.controls.limbs if work.onto is Onto.IK else ():
+        # What hangs on the end of a limb is carried by whichever control poses it.
+        place.setdefault(work.controls.turning.get(limb.limb.end, limb.control), place[limb.control])
+    above = [place.get(work.controls.carriers.get(names[handle.control], ""), NONE) for handle in handles]
+    frame = np.array([1.0])
+    stage.show(_whole(work, []), frame)
+    controls = np.array([handle.control for handle in handles], dtype=np.intp)
+    found = yield from stage.poses(np.concatenate([controls, _bodies(work)]), frame)
+    neutral = _split(found, len(handles))
+    axes = neutral.rotations[0].copy()
+    parents = yield from stage.poses(np.maximum(skeleton.parents[controls], 0), frame)
+    for i, handle in enumerate(handles):
+        if not work.target.armature.bones[names[handle.control]].use_local_location:
+            lone = skeleton.parents[handle.control] < 0
+            axes[i] = np.array([1.0, 0.0, 0.0, 0.0]) if lone else parents.rotations[0, i]
+    return Handling(tuple(handles), np.array(above, dtype=np.intp), axes, neutral)
+
+
+def _bodies(work: Work) -> Indices:
+    """Return the links' bones among all bones of the rig, shape (link,)."""
+    names, index = work.plan.target.skeleton.names, work.target.skeleton.index
+    return np.array([index[names[int(bone)]] for bone in work.plan.links.target], dtype=np.intp)
+
+
+def _split(found: evaluating.Poses, count: int) -> Seen:
+    return Seen(
+        found.rotations[:, :count], found.positions[:, :count], found.rotations[:, count:], found.positions[:, count:]
+    )
+
+
+def _seen(stage: Stage, work: Work, handling: Handling, frames: Array) -> Generator[float, None, tuple[Seen, Array]]:
+    controls = np.array([handle.control for handle in handling.handles], dtype=np.intp)
+    found = yield from stage.poses(np.concatenate([controls, _bodies(work)]), frames)
+    return _split(found, len(controls)), found.moves
+
+
+# --- channels ---
+
+
+def _channels(work: Work, handling: Handling, values: Values) -> list[Channel]:
+    """Return what controls do, in the rotation modes that they have."""
+    ob, names = work.target.object, work.target.skeleton.names
+    out: list[Channel] = []
+    for i, handle in enumerate(handling.handles):
+        name = names[handle.control]
+        if handle.limb is None:
+            out.append(channels.rotation(pose_bone(ob, name), name, values.rotations[:, i]))
+        if handle.placed or handle.limb is not None:
+            out.append(Channel(name, "location", values.locations[:, i]))
+    return out
+
+
+def _beside(work: Work, result: Result, places: Array | None) -> list[Channel]:
+    """Return what carries the travel, where the hips do not."""
+    if result.travel is None or result.root_motion in (RootMotion.HIPS, RootMotion.IN_PLACE):
+        return []
+    keyed = result if places is None else result.resampled(places)
+    count = len(keyed.basis)
+    none = np.zeros(0, dtype=np.intp)
+    root = None
+    if result.root_motion is RootMotion.ROOT_BONE:
+        root = channels.root_bone(work.target, work.task.character)
+    alone = replace(keyed, bones=none, basis=np.zeros((count, 0, 4)), moved=none, shifts=np.zeros((count, 0, 3)))
+    return channels.of_result(work.target, work.task.character, alone, root)
+
+
+def _body(work: Work) -> list[str]:
+    """Return the bones that the motion owns: what is moved, and what must rest for that."""
+    index, found = work.target.skeleton.index, work.controls
+    own = [work.target.skeleton.names[handle.control] for handle in _handles(work)]
+    return channels.body_bones(work.target, [index[name] for name in (*own, *found.still)])
+
+
+def _whole(work: Work, made: Sequence[Channel]) -> list[Channel]:
+    """Return channels with all that must rest or be set beside them."""
+    ob = work.target.object
+    return [*made, *work.rest, *channels.resting(ob, _body(work), made, actions.paths_in_strips(ob))]
+
+
+def _described(work: Work, passes: int, error: Spread) -> dict[str, object]:
+    return {
+        "family": work.controls.family,
+        "onto": "ik" if work.onto is Onto.IK else "fk",
+        "controls": len(_handles(work)),
+        "passes": passes,
+        "deform_error_deg": {"mean": round(error.mean, 4), "max": round(error.max, 4)},
+    }
+
+
+def _warnings(work: Work, error: Spread) -> tuple[str, ...]:
+    """Return what the user should know."""
+    found, target, out = work.controls, work.target, list[str]()
+    names = work.plan.target.skeleton.names
+    lost = joints_without({joint: match.bone for joint, match in work.task.character.joints.items()}, found)
+    moved = {names[int(bone)] for bone in work.plan.links.target}
+    lost = [joint for joint in lost if work.task.character.joints[joint].bone in moved]
+    if lost:
+        out.append(f"no control of {target.name!r} was found for {listed(lost)}: name them in the joint list")
+    if work.onto is Onto.IK:
+        there = {limb.limb.end for limb in found.limbs}
+        links = work.plan.links
+        ends = [names[int(links.target[limb.end])] for limb in (*links.legs, *links.arms)]
+        without = [name for name in ends if name not in there]
+        if without:
+            out.append(f"{listed(without)} of {target.name!r} have no control that reaches: they are turned instead")
+    if error.mean > CLOSE_ENOUGH:
+        out.append(
+            f"the controls of {target.name!r} bring its bones {error.mean:.1f} degrees from where they were meant: "
+            "something besides them moves the bones; check the controls in the joint list"
+        )
+    return tuple(out)

@@ -1,0 +1,104 @@
+"""Control rigs as plain data: names, shapes, constraints, and by which properties drivers switch these."""
+
+from collections import defaultdict
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+
+from ...core.character.controls import BoneFacts, Follows
+from ..channels import Channel
+from ..rig import pose_of
+from .evaluating import Stage
+
+_LOW, _HIGH = 0.0, 1.0
+_COUNTS = ("influence", "mute", "enabled")
+Switch = tuple[str, str]
+"""Bone and custom property."""
+
+
+def facts(stage: Stage) -> list[BoneFacts]:
+    """Return what a rig is made of."""
+    ob = stage.rig.object
+    switches = _switches(ob)
+    counts = _counts(stage, switches)
+    out: list[BoneFacts] = []
+    for bone in pose_of(ob).bones:
+        follows = [
+            Follows(
+                constraint.type,
+                targets(ob, constraint),
+                switches.get((bone.name, constraint.name)),
+                counts[bone.name, constraint.name],
+                (_LOW, _HIGH),
+                "LOCAL" in constraint.owner_space,
+            )
+            for constraint in bone.constraints
+            if (bone.name, constraint.name) in counts
+        ]
+        parent = bone.parent.name if bone.parent else None
+        shaped = bone.custom_shape is not None
+        out.append(BoneFacts(bone.name, parent, bone.bone.use_deform, shaped, tuple(follows), _numbers(bone)))
+    return out
+
+
+def has_constraints(ob: bpy.types.Object) -> bool:
+    """Return whether any deform bone of an armature follows others, as in rigs with controls."""
+    return any(bone.bone.use_deform and len(bone.constraints) > 0 for bone in pose_of(ob).bones)
+
+
+def _numbers(bone: bpy.types.PoseBone) -> tuple[str, ...]:
+    return tuple(name for name, value in bone.items() if isinstance(value, int | float))
+
+
+def targets(ob: bpy.types.Object, constraint: bpy.types.Constraint) -> tuple[str, ...]:
+    """Return the bones of the same armature that a constraint looks at."""
+    several = getattr(constraint, "targets", None)
+    found = [getattr(one, "subtarget", "") for one in (several or (constraint,)) if getattr(one, "target", None) == ob]
+    return tuple(name for name in found if name)
+
+
+def _switches(ob: bpy.types.Object) -> dict[tuple[str, str], Switch]:
+    """Return the custom property that drives how far a constraint counts, by bone and constraint."""
+    owners: dict[str, Switch] = {}
+    for bone in pose_of(ob).bones:
+        for name in _numbers(bone):
+            owners[path(bone, name)] = bone.name, name
+    places = {
+        f"{constraint.path_from_id()}.{prop}": (bone.name, constraint.name)
+        for bone in pose_of(ob).bones
+        for constraint in bone.constraints
+        for prop in _COUNTS
+    }
+    out: dict[tuple[str, str], Switch] = {}
+    for curve in ob.animation_data.drivers if ob.animation_data else ():
+        place = places.get(curve.data_path)
+        variables = [] if curve.driver is None else list(curve.driver.variables)
+        read = [owners.get(target.data_path) for variable in variables for target in variable.targets]
+        if place is not None and read and read[0] is not None:
+            out[place] = read[0]
+    return out
+
+
+def path(bone: bpy.types.PoseBone, prop: str) -> str:
+    """Return the data path of a custom property of a bone."""
+    return f'{bone.path_from_id()}["{bpy.utils.escape_identifier(prop)}"]'
+
+
+def _counts(stage: Stage, switches: Mapping[tuple[str, str], Switch]) -> dict[tuple[str, str], tuple[float, float]]:
+    """Return how far constraints count with all switches low and with all high; Blender evaluates the drivers."""
+    found: dict[tuple[str, str], list[float]] = defaultdict(list)
+    frames = np.array([1.0, 2.0])
+    values = np.array([[_LOW], [_HIGH]])
+    stage.show([setting(bone, prop, values) for bone, prop in dict.fromkeys(switches.values())], frames)
+    for frame in frames:
+        for bone in pose_of(stage.at(frame)).bones:
+            for constraint in bone.constraints:
+                off = constraint.mute or not constraint.enabled
+                found[bone.name, constraint.name].append(0.0 if off else constraint.influence)
+    return {place: (low, high) for place, (low, high) in found.items() if low > 0.0 or high > 0.0}
+
+
+def setting(bone: str, prop: str, values: np.ndarray) -> Channel:
+    """Return a custom property of a bone as a channel, values of shape (frame, 1)."""
+    return Channel(bone, f'["{bpy.utils.escape_identifier(prop)}"]', values)

@@ -1,0 +1,236 @@
+"""Rigs with controls: what deform bones do is what was meant, as Blender evaluates it."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from morph_retarget.blender import actions, retarget, rig
+from morph_retarget.blender.controls.carrying import Onto
+from morph_retarget.blender.retarget import Options, Outcome, Source
+from morph_retarget.core import quat
+from morph_retarget.core.arrays import Array
+from morph_retarget.core.errors import MappingError, RigError
+from morph_retarget.core.mocap.plan import RetargetSettings
+from morph_retarget.core.mocap.root_motion import RootMotion
+from tests.blender import control_rigs, scenes
+from tools.figure import blender
+
+FRAMES = scenes.FRAMES[::6]
+
+
+@pytest.fixture(scope="module")
+def rigify_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return control_rigs.rigify(tmp_path_factory.mktemp("rigify") / "rigify.blend")
+
+
+@pytest.fixture
+def rigify(walk: Source, rigify_file: Path) -> bpy.types.Object:  # noqa: ARG001 - it must be read before
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
+    bpy.context.scene.render.fps = scenes.FPS
+    return scenes.only_armature()
+
+
+def off(ob: bpy.types.Object, outcome: Outcome) -> Array:
+    """Return by how much segments of the deform bones point elsewhere than was meant [deg], shape (frame, segment)."""
+    plan, links = outcome.plan, outcome.plan.links
+    names = [plan.target.skeleton.names[bone] for bone in links.target]
+    found = plan.target.world_to_character.points(scenes.heads(ob, names, FRAMES))
+    meant = outcome.result.motion.points[np.array(FRAMES) - 1]
+    own = np.flatnonzero(links.after >= 0)
+    a, b = (quat.unit(points[:, links.after[own]] - points[:, own]) for points in (found, meant))
+    return np.degrees(2.0 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=-1) / 2.0, 0.0, 1.0)))
+
+
+def away(ob: bpy.types.Object, outcome: Outcome) -> float:
+    """Return how far joints of the deform bones are from where they were meant to be, at most [heights]."""
+    plan = outcome.plan
+    names = [plan.target.skeleton.names[bone] for bone in plan.links.target]
+    found = plan.target.world_to_character.points(scenes.heads(ob, names, FRAMES))
+    return scenes.apart(found, outcome.result.motion.points[np.array(FRAMES) - 1]) / plan.target.frame.height
+
+
+def value(ob: bpy.types.Object, bone: str, prop: str) -> float:
+    """Return a custom property as it is evaluated."""
+    bpy.context.scene.frame_set(FRAMES[1])
+    return float(ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).pose.bones[bone][prop])
+
+
+# --- a generated rig ---
+
+
+def test_controls_that_turn_parts_bring_deform_bones_where_they_were_meant(
+    walk: Source, rigify: bpy.types.Object
+) -> None:
+    outcome = scenes.give(walk, rigify, Options(onto=Onto.FK))
+    assert off(rigify, outcome).max() < 0.01
+    assert away(rigify, outcome) < 1e-4
+    told = outcome.report["controls"]
+    assert (told["family"], told["onto"]) == ("Rigify", "fk")
+    assert told["deform_error_deg"]["max"] < 0.01
+    assert value(rigify, "thigh_parent.L", "IK_FK") == 1.0
+    assert not any(path.startswith('pose.bones["DEF-') for path, _ in scenes.curves_of(rigify))
+
+
+def test_controls_that_reach_bring_hands_and_feet_to_their_places(walk: Source, rigify: bpy.types.Object) -> None:
+    outcome = scenes.give(walk, rigify, Options(onto=Onto.IK))
+    assert off(rigify, outcome).mean() < 1.0
+    plan = outcome.plan
+    ends = ["DEF-foot.L", "DEF-foot.R", "DEF-hand.L", "DEF-hand.R"]
+    found = plan.target.world_to_character.points(scenes.heads(rigify, ends, FRAMES))
+    rows = [plan.links.index(name) for name in ("leftFoot", "rightFoot", "leftHand", "rightHand")]
+    meant = outcome.result.motion.points[np.array(FRAMES) - 1][:, rows]
+    assert scenes.apart(found, meant) < 2e-3 * plan.target.frame.height
+    assert value(rigify, "thigh_parent.L", "IK_FK") == 0.0
+    assert value(rigify, "upper_arm_parent.R", "pole_vector") == 1.0
+
+
+def test_a_rig_with_controls_gets_them_by_itself_and_one_without_does_not(
+    walk: Source, rigify: bpy.types.Object
+) -> None:
+    assert scenes.give(walk, rigify).report["controls"]["onto"] == "fk"
+    assert "controls" not in scenes.give(walk, scenes.sprout()).report
+
+
+def test_bones_are_keyed_where_that_is_asked_for(walk: Source, rigify: bpy.types.Object) -> None:
+    outcome = scenes.give(walk, rigify, Options(onto=Onto.NONE))
+    assert any(path.startswith('pose.bones["DEF-') for path, _ in scenes.curves_of(rigify))
+    assert any("constraint" in text for text in outcome.warnings)
+
+
+@pytest.mark.parametrize("kind", list(RootMotion))
+def test_wherever_travel_goes_deform_bones_do_what_was_meant(
+    walk: Source, rigify: bpy.types.Object, kind: RootMotion
+) -> None:
+    outcome = scenes.give(walk, rigify, Options(RetargetSettings(root_motion=kind)))
+    assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
+    assert off(rigify, outcome).max() < (0.01 if kind is not RootMotion.IN_PLACE else 90.0)
+    if kind is not RootMotion.IN_PLACE:
+        assert away(rigify, outcome) < 1e-4
+
+
+def test_controls_keep_their_rotation_modes(walk: Source, rigify: bpy.types.Object) -> None:
+    for i, bone in enumerate(rigify.pose.bones):
+        bone.rotation_mode = ("XYZ", "AXIS_ANGLE", "ZXY")[i % 3]
+    modes = [bone.rotation_mode for bone in rigify.pose.bones]
+    assert off(rigify, scenes.give(walk, rigify)).max() < 0.01
+    assert [bone.rotation_mode for bone in rigify.pose.bones] == modes
+
+
+def test_how_controls_were_posed_and_switched_before_does_not_show(walk: Source, rigify: bpy.types.Object) -> None:
+    turn = quat.from_rotation_vector(np.array([0.3, -0.4, 0.5]))
+    before = {
+        rigify.pose.bones[name].path_from_id("location"): np.tile([0.2, 0.1, 0.3], (2, 1))
+        for name in ("chest", "hips", "tweak_spine.001")
+    }
+    before['pose.bones["thigh_parent.L"]["IK_FK"]'] = np.zeros((2, 1))
+    before['pose.bones["upper_arm_parent.L"]["FK_limb_follow"]'] = np.ones((2, 1))
+    for bone in rigify.pose.bones:
+        if bone.rotation_mode == "QUATERNION":
+            bone.rotation_quaternion = turn
+    scenes.key(rigify, "Before", before)
+    bpy.context.scene.frame_set(1)
+    outcome = scenes.give(walk, rigify)
+    assert off(rigify, outcome).max() < 0.01
+    assert bpy.data.actions["Before"].use_fake_user
+
+
+def test_a_clip_of_another_rate_is_keyed_on_whole_frames(rigify: bpy.types.Object) -> None:
+    source = scenes.source_of(scenes.walker(fps=scenes.FPS))
+    bpy.context.scene.render.fps = 24
+    outcome = scenes.give(source, rigify, Options(resample=True))
+    keys = scenes.curves_of(rigify)['pose.bones["torso"].location', 0].keyframe_points
+    assert all(key.co[0] == round(key.co[0]) for key in keys)
+    assert outcome.report["controls"]["deform_error_deg"]["mean"] < 0.3
+
+
+def test_nothing_else_of_the_file_is_touched(walk: Source, rigify: bpy.types.Object) -> None:
+    scene = bpy.context.scene
+    scene.frame_set(7)
+    known = {kind: len(getattr(bpy.data, kind)) for kind in ("scenes", "objects", "armatures", "actions")}
+    scenes.give(walk, rigify)
+    assert scene.frame_current == 7
+    assert {kind: len(getattr(bpy.data, kind)) for kind in known} == known | {"actions": known["actions"] + 1}
+
+
+def test_work_that_is_closed_before_its_end_leaves_everything_as_it_was(walk: Source, rigify: bpy.types.Object) -> None:
+    own = rig.read(rigify)
+    steps = retarget.in_steps(walk, own, retarget.character_of(own), Options(), bpy.context.scene)
+    for _ in range(4):
+        next(steps)
+    steps.close()
+    assert len(bpy.data.scenes) == 1
+    assert actions.assigned(rigify) == (None, None)
+    assert len(bpy.data.actions) == 0
+
+
+# --- other families, and rigs of no family ---
+
+_PARTS = {
+    "hips": "Hips", "spine": "Spine1", "chest": "Spine2", "upperChest": "Chest", "neck": "Neck", "head": "Head",
+    "Shoulder": "Shoulder", "UpperArm": "UpperArm", "LowerArm": "Forearm", "Hand": "Wrist",
+    "UpperLeg": "Thigh", "LowerLeg": "Shin", "Foot": "Foot", "Toes": "Toes",
+}  # fmt: skip
+
+
+def _part(joint: str) -> str:
+    for side, end in (("left", ".L"), ("right", ".R")):
+        if joint.startswith(side):
+            return f"{_PARTS.get(joint.removeprefix(side), joint.removeprefix(side))}{end}"
+    return _PARTS.get(joint, joint)
+
+
+def _arp(joint: str) -> str:
+    table = {
+        "hips": "root.x", "spine": "spine_01.x", "chest": "spine_02.x", "upperChest": "spine_03.x", "neck": "neck.x",
+        "head": "head.x", "Shoulder": "shoulder", "UpperArm": "arm_stretch", "LowerArm": "forearm_stretch",
+        "Hand": "hand", "UpperLeg": "thigh_stretch", "LowerLeg": "leg_stretch", "Foot": "foot", "Toes": "toes_01",
+    }  # fmt: skip
+    for side, end in (("left", ".l"), ("right", ".r")):
+        if joint.startswith(side):
+            return f"{table.get(joint.removeprefix(side), joint.removeprefix(side))}{end}"
+    return table.get(joint, joint)
+
+
+def _arp_control(joint: str) -> str:
+    part, _, end = _arp(joint).rpartition(".")
+    part = part.removesuffix("_stretch").removesuffix("_01") if end != "x" else part
+    turned = ("arm", "forearm", "hand", "thigh", "leg", "foot", "toes")
+    return f"c_{part}_fk.{end}" if part in turned else f"c_{part}.{end}"
+
+
+@pytest.mark.parametrize(
+    ("family", "names", "controls"),
+    [
+        ("CloudRig", lambda j: f"DEF-{_part(j)}", lambda j: f"FK-{_part(j)}"),
+        ("Auto-Rig Pro", _arp, _arp_control),
+        ("Constraints", blender, lambda j: f"Anim {_part(j)}"),
+    ],
+)
+def test_families_are_known_by_their_names_and_others_by_their_constraints(
+    walk: Source, family: str, names: Callable[[str], str], controls: Callable[[str], str]
+) -> None:
+    ob = control_rigs.controlled(names, controls)
+    outcome = scenes.give(walk, ob, Options(onto=Onto.FK))
+    assert outcome.report["controls"]["family"] == family
+    assert off(ob, outcome).max() < 0.01
+    assert away(ob, outcome) < 1e-4
+
+
+def test_controls_can_be_named(walk: Source) -> None:
+    """A driver moves a bone by another, which nothing in names or constraints tells."""
+    ob = control_rigs.controlled(blender, lambda joint: f"Anim {_part(joint)}")
+    named = {"hips": "Anim Hips", "leftUpperArm": "Anim UpperArm.L"}
+    outcome = scenes.give(walk, ob, Options(controls=named))
+    assert off(ob, outcome).max() < 0.01
+    with pytest.raises(MappingError, match="'Nobody', which the armature does not have"):
+        scenes.give(walk, ob, Options(controls={"hips": "Nobody"}))
+
+
+def test_controls_that_are_not_there_are_asked_for_in_vain(walk: Source) -> None:
+    ob = scenes.sprout()
+    with pytest.raises(RigError, match="'Sprout' has no controls"):
+        scenes.give(walk, ob, Options(onto=Onto.FK))
+    assert len(bpy.data.scenes) == 1

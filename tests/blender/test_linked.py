@@ -1,0 +1,129 @@
+"""Characters of other files: library overrides as targets, linked armatures as sources."""
+
+from pathlib import Path
+
+import bpy
+import pytest
+
+from morph_retarget.blender import actions
+from morph_retarget.blender.laying import Lay
+from morph_retarget.blender.retarget import Options, Source
+from morph_retarget.core.errors import RigError
+from tests.blender import control_rigs, scenes, window
+from tests.blender.command import Command
+from tests.blender.files import Files
+
+
+def link(path: Path, name: str) -> bpy.types.Object:
+    """Link an object of another file into the scene."""
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.objects = [name]
+    (ob,) = wanted.objects
+    bpy.context.scene.collection.objects.link(ob)
+    bpy.context.view_layer.update()
+    return ob
+
+
+@pytest.fixture
+def library(tmp_path: Path) -> Path:
+    scenes.empty()
+    scenes.sprout()
+    path = scenes.save(tmp_path / "library.blend")
+    scenes.empty()
+    return path
+
+
+@pytest.mark.parametrize("lay", list(Lay))
+def test_a_library_override_is_given_motion_that_is_saved_with_its_file(
+    walk: Source, library: Path, tmp_path: Path, lay: Lay
+) -> None:
+    ob = link(library, "Sprout").override_create(remap_local_usages=True)
+    ob.override_library.is_system_override = False
+    scenes.give(walk, ob, Options(lay=lay))
+    if lay is Lay.STASH:
+        ob.animation_data.nla_tracks[-1].mute = False
+    before = scenes.played(ob)
+    bpy.ops.wm.open_mainfile(filepath=str(scenes.save(tmp_path / "shot.blend")))
+    again = next(o for o in bpy.data.objects if o.type == "ARMATURE" and o.override_library)
+    assert again.library is None
+    assert scenes.apart(scenes.played(again), before) < 1e-5
+    if lay is not Lay.ADD:
+        assert scenes.apart(scenes.played(again), scenes.played_plainly(walk)) < 2e-4
+
+
+def test_an_override_of_a_rig_with_controls_gets_them(walk: Source, tmp_path: Path) -> None:
+    path = control_rigs.rigify(tmp_path / "rigify.blend")
+    scenes.empty()
+    ob = link(path, "rig").override_create(remap_local_usages=True)
+    ob.override_library.is_system_override = False
+    outcome = scenes.give(walk, ob)
+    assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
+
+
+def test_what_is_linked_or_an_override_of_blenders_own_is_no_target(walk: Source, library: Path) -> None:
+    ob = link(library, "Sprout")
+    with pytest.raises(RigError, match=r"linked from .*library\.blend"):
+        scenes.give(walk, ob)
+    own = ob.override_create(remap_local_usages=True)
+    own.override_library.is_system_override = True
+    with pytest.raises(RigError, match="'Sprout' is a library override that cannot be edited"):
+        scenes.give(walk, own)
+
+
+@pytest.mark.parametrize("stepped", [False, True], ids=["by its curves", "frame by frame"])
+def test_a_linked_source_gives_its_motion(walk: Source, tmp_path: Path, stepped: bool) -> None:
+    scenes.empty()
+    walker = scenes.walker(seed=2)
+    if stepped:
+        walker.pose.bones["leftHand"].constraints.new("LIMIT_SCALE")
+    path = scenes.save(tmp_path / "clip.blend")
+    scenes.empty()
+    source, target = link(path, "Walker"), scenes.sprout()
+    clip = scenes.source_of(source)
+    assert bool(clip.clip.stepped) == stepped
+    scenes.give(clip, target)
+    assert scenes.apart(scenes.played(target), scenes.played_plainly(walk)) < 2e-4
+
+
+def test_of_several_armatures_in_a_file_each_is_given_its_own_motion(walk: Source) -> None:
+    first, second, third = scenes.sprout("First"), scenes.sprout("Second"), scenes.sprout("Third")
+    still = scenes.played(third)
+    for ob in (first, second):
+        scenes.give(walk, ob)
+    assert actions.assigned(first)[0] != actions.assigned(second)[0]
+    assert scenes.apart(scenes.played(first), scenes.played(second)) < 1e-6
+    assert scenes.apart(scenes.played(third), still) < 1e-9
+
+
+def test_the_command_line_writes_onto_controls_mirrors_and_stashes(
+    cli: Command, files: Files, out: Path, tmp_path: Path
+) -> None:
+    path = control_rigs.rigify(tmp_path / "rigify.blend")
+    said = cli(
+        "retarget", files.clip("blend"), path, "-o", out / "o.blend", "--controls", "ik", "--mirror", "--lay", "stash"
+    )
+    assert said.status == 0, said.errors
+    bpy.ops.wm.open_mainfile(filepath=str(out / "o.blend"))
+    ob = scenes.only_armature()
+    assert actions.assigned(ob)[0] is None
+    (track,) = ob.animation_data.nla_tracks
+    assert track.mute
+    keyed = {path for path, _ in actions.curves(track.strips[0].action, track.strips[0].action_slot)}
+    assert 'pose.bones["foot_ik.L"].location' in keyed
+
+
+def test_a_named_bone_that_is_not_there_is_refused(cli: Command, files: Files, out: Path) -> None:
+    said = cli("retarget", files.clip("blend"), files.sprout, "-o", out / "o.blend", "--bones", "Head, Nobody")
+    assert said.status == 2
+    assert "no bone 'Nobody'" in said.errors[-1]
+
+
+def test_live_says_that_it_cannot_show_controls(tmp_path: Path) -> None:
+    path = control_rigs.rigify(tmp_path / "rigify.blend")
+    with window.registered():
+        bpy.ops.wm.open_mainfile(filepath=str(path))
+        ob = scenes.only_armature()
+        settings = bpy.context.scene.morph_retarget
+        settings.source, settings.target = scenes.walker(), ob
+        with pytest.raises(RuntimeError, match="controls"):
+            bpy.ops.morph_retarget.live_start()

@@ -1,0 +1,224 @@
+"""Which controls pose a rig: by the names of families, and by what bones copy."""
+
+import numpy as np
+import pytest
+
+from morph_retarget.core import quat
+from morph_retarget.core.character import control_names, controls, deform_tree
+from morph_retarget.core.character.control_names import FAMILIES, Limb
+from morph_retarget.core.character.controls import BoneFacts, Follows, Setting, Wanted
+from morph_retarget.core.errors import MappingError
+from morph_retarget.core.skeleton import Skeleton
+
+RIGIFY, AUTO_RIG_PRO, CLOUDRIG = FAMILIES
+SIDES = ("L", "R")
+
+
+def bone(name: str, parent: str | None = None, *follows: Follows, props: tuple[str, ...] = ()) -> BoneFacts:
+    deform = name.startswith("DEF-")
+    return BoneFacts(name, parent, deform, not deform and not name.startswith(("ORG-", "MCH-")), follows, props)
+
+
+def copying(*names: str, switch: tuple[str, str] | None = None, counts: tuple[float, float] = (1.0, 1.0)) -> Follows:
+    return Follows("COPY_TRANSFORMS", names, switch, counts)
+
+
+def leg(side: str) -> list[BoneFacts]:
+    """Return a leg as Rigify builds it, without what lies between."""
+    switch = f"thigh_parent.{side}", "IK_FK"
+    out = [bone(f"thigh_parent.{side}", "ORG-spine", props=("IK_FK", "pole_vector"))]
+    above = "torso"
+    for part in ("thigh", "shin", "foot"):
+        out += [
+            bone(f"{part}_fk.{side}", above),
+            bone(
+                f"ORG-{part}.{side}",
+                None,
+                copying(f"{part}_fk.{side}"),
+                copying(f"MCH-{part}_ik.{side}", switch=switch, counts=(1.0, 0.0)),
+            ),
+            bone(f"MCH-{part}_ik.{side}", "root"),
+            bone(f"DEF-{part}.{side}", None, copying(f"ORG-{part}.{side}")),
+        ]
+        above = f"{part}_fk.{side}"
+    return [*out, bone(f"foot_ik.{side}", "root"), bone(f"thigh_ik_target.{side}", "root")]
+
+
+RIG = [
+    bone("root"),
+    bone("torso", "root", props=("neck_follow",)),
+    bone("spine_fk", "MCH-spine"),
+    bone("MCH-spine", "torso"),
+    bone("hips", "torso"),
+    bone("ORG-spine", "tweak_spine"),
+    bone("tweak_spine", "spine_fk"),
+    bone("DEF-spine", "root", copying("tweak_spine")),
+    *(fact for side in SIDES for fact in leg(side)),
+]
+LIMBS = [Limb("leg", f"DEF-thigh.{s}", f"DEF-shin.{s}", f"DEF-foot.{s}") for s in SIDES]
+BONES = ["DEF-spine", *(b for limb in LIMBS for b in (limb.upper, limb.middle, limb.end))]
+WANTED = Wanted(BONES, {"hips": "DEF-spine"}, LIMBS)
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("thigh.L", ("thigh", ".L")),
+        ("spine.001", ("spine", ".001")),
+        ("f_index.01.R", ("f_index.01", ".R")),
+        ("thigh.L.001", ("thigh", ".L.001")),
+        ("root.x", ("root", ".x")),
+        ("arm_l", ("arm", "_l")),
+        ("head", ("head", "")),
+        ("", ("", "")),
+    ],
+)
+def test_side_and_number_end_a_name(name: str, parts: tuple[str, str]) -> None:
+    assert control_names.split(name) == parts
+
+
+@pytest.mark.parametrize(
+    ("family", "deform", "control"),
+    [
+        (RIGIFY, "DEF-upper_arm.L", "upper_arm_fk.L"),
+        (RIGIFY, "DEF-spine.001", "spine_fk.001"),
+        (RIGIFY, "DEF-f_index.01.L", "f_index.01.L"),
+        (AUTO_RIG_PRO, "forearm_stretch.l", "c_forearm_fk.l"),
+        (AUTO_RIG_PRO, "toes_01.r", "c_toes_fk.r"),
+        (AUTO_RIG_PRO, "root.x", "c_root.x"),
+        (CLOUDRIG, "DEF-UpperArm1.L", "FK-UpperArm.L"),
+        (CLOUDRIG, "DEF-UpperArm_1.L", "FK-UpperArm.L"),
+        (CLOUDRIG, "DEF-Spine2", "FK-Spine2"),
+    ],
+)
+def test_families_name_controls_after_parts(family: control_names.Family, deform: str, control: str) -> None:
+    assert control_names.among(family.turning, control_names.bases(family, deform), {control, "other"}) == control
+
+
+def test_a_rig_of_a_known_family_is_read() -> None:
+    found = controls.read(RIG, WANTED)
+    assert found is not None
+    assert found.family == "Rigify"
+    assert found.turning["DEF-shin.R"] == "shin_fk.R"
+    assert found.trunk == "torso"
+    assert found.carriers["shin_fk.L"] == "thigh_fk.L"
+    assert found.carriers["spine_fk"] == "torso"
+    assert found.settings == (Setting("torso", "neck_follow", 1.0),)
+    assert {"tweak_spine", "root"} <= set(found.still)
+    assert "hips" not in found.still, "nothing follows it here"
+
+
+def test_limbs_are_switched_and_reach() -> None:
+    found = controls.read(RIG, WANTED)
+    assert found is not None
+    left = found.limbs[0]
+    assert (left.control, left.pole) == ("foot_ik.L", "thigh_ik_target.L")
+    assert [(s.bone, s.prop, s.value) for s in left.turned] == [("thigh_parent.L", "IK_FK", 1.0)]
+    assert [(s.prop, s.value) for s in left.reached] == [("IK_FK", 0.0), ("pole_vector", 1.0)]
+
+
+@pytest.mark.parametrize("high", [0.0, 1.0])
+def test_which_value_of_a_switch_turns_is_read_from_what_it_does(high: float) -> None:
+    """Drivers tell it whatever the property is called and whichever way it counts."""
+    counts = (1.0 - high, high)
+    rig = [
+        BoneFacts(
+            f.name,
+            f.parent,
+            f.deform,
+            f.shaped,
+            tuple(
+                Follows(one.kind, one.bones, ("thigh_parent.L", "Mode"), counts) if one.switch else one
+                for one in f.follows
+            ),
+            f.properties,
+        )
+        for f in RIG
+    ]
+    found = controls.read(rig, WANTED)
+    assert found is not None
+    assert [(s.prop, s.value) for s in found.limbs[0].turned] == [("Mode", 1.0 - high)]
+
+
+def test_rigs_of_no_family_are_read_by_what_bones_copy() -> None:
+    plain = [
+        bone("Hip Control"),
+        bone("MCH-a", "Hip Control"),
+        bone("DEF-a", None, copying("MCH-a")),
+        bone("Leg Control", "Hip Control"),
+        bone("DEF-b", "DEF-a", copying("Leg Control")),
+        bone("DEF-c", "DEF-b"),
+    ]
+    found = controls.read(plain, Wanted(["DEF-a", "DEF-b", "DEF-c"], {"hips": "DEF-a"}))
+    assert found is not None
+    assert found.family == controls.FOUND
+    assert dict(found.turning) == {"DEF-a": "Hip Control", "DEF-b": "Leg Control", "DEF-c": "DEF-c"}
+    assert found.trunk == "Hip Control"
+
+
+def test_rigs_that_are_posed_by_their_bones_have_no_controls() -> None:
+    plain = [bone("DEF-a"), bone("DEF-b", "DEF-a")]
+    assert controls.read(plain, Wanted(["DEF-a", "DEF-b"], {"hips": "DEF-a"})) is None
+
+
+def test_what_the_user_names_counts_and_must_exist() -> None:
+    wanted = Wanted(BONES, {"hips": "DEF-spine"}, LIMBS, given={"DEF-spine": "hips"})
+    found = controls.read(RIG, wanted)
+    assert found is not None
+    assert (found.turning["DEF-spine"], found.trunk) == ("hips", "hips")
+    with pytest.raises(MappingError, match="control 'Nobody', which the armature does not have"):
+        controls.read(RIG, Wanted(BONES, {}, given={"DEF-spine": "Nobody"}))
+
+
+def test_rigs_that_copy_in_circles_are_read_too() -> None:
+    circle = [
+        bone("DEF-a", "DEF-b", copying("ORG-a")),
+        bone("ORG-a", "ORG-b", copying("ORG-b")),
+        bone("ORG-b", "ORG-a", copying("ORG-a", "Gone")),
+        bone("DEF-b", None, copying("ORG-b")),
+    ]
+    found = controls.read(circle, Wanted(["DEF-a", "DEF-b"], {"hips": "DEF-b"}))
+    assert found is None or not found.turning
+
+
+def test_the_body_of_a_rig_hangs_together_past_its_mechanism() -> None:
+    tree = {
+        "root": None,
+        "ORG-spine": "root",
+        "MCH-legs": "ORG-spine",
+        "DEF-spine": "root",
+        "DEF-thigh.L": "MCH-legs",
+        "DEF-shin.L": "DEF-thigh.L",
+        "chest_control": "root",
+        "DEF-chest": "root",
+        "DEF-arm.L": "chest_control",
+    }
+    names = tuple(tree)
+    count = len(names)
+    whole = Skeleton(
+        names,
+        np.array([-1 if above is None else names.index(above) for above in tree.values()]),
+        np.random.default_rng(3).normal(size=(count, 3)),
+        quat.identity(count),
+        np.zeros((count, 3)),
+    )
+    deform = {name for name in names if name.startswith("DEF-")}
+    body, rows = deform_tree.within(whole, deform, {"DEF-chest": ["chest_control"]})
+    assert set(body.names) == deform
+    above = {name: body.names[p] if p >= 0 else None for name, p in zip(body.names, body.parents, strict=True)}
+    assert above == {
+        "DEF-spine": None,
+        "DEF-thigh.L": "DEF-spine",
+        "DEF-shin.L": "DEF-thigh.L",
+        "DEF-chest": None,
+        "DEF-arm.L": "DEF-chest",
+    }
+    assert [names[row] for row in rows] == list(body.names)
+    assert np.array_equal(body.rest_positions, whole.rest_positions[rows])
+
+
+def test_rigs_whose_bones_copy_others_are_controlled() -> None:
+    deform = [f"DEF-{i}" for i in range(12)]
+    assert deform_tree.is_controlled(deform, {name: ["x"] for name in deform[:6]})
+    assert not deform_tree.is_controlled(deform, {name: ["x"] for name in deform[:2]})
+    assert not deform_tree.is_controlled(deform[:4], {name: ["x"] for name in deform[:4]})
