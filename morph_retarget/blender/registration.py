@@ -4,7 +4,7 @@ from typing import Any
 
 import bpy
 
-from . import handlers, live, operators, presets, properties, ui
+from . import handlers, live, operators, presets, properties, translations, ui
 from .cli.messages import NAME
 from .cli.program import main
 from .directing import changes, known, reading, walking
@@ -12,7 +12,7 @@ from .locomotion import guides
 from .locomotion import properties as locomotion
 from .morph import autokey, cast, keys, perform, remap, values
 from .morph import properties as morph
-from .ui import overlay
+from .ui import menus, overlay
 
 CLASSES = (*properties.CLASSES, *operators.CLASSES, *ui.CLASSES)
 
@@ -48,6 +48,8 @@ def register(package: str | None) -> None:
     presets.use(package or NAME)
     handlers.attach()
     overlay.attach()
+    menus.attach()
+    translations.attach()
     _commands.append(bpy.utils.register_cli_command(NAME, main))
 
 
@@ -55,6 +57,8 @@ def unregister() -> None:
     """Undo `register`."""
     while _commands:
         bpy.utils.unregister_cli_command(_commands.pop())
+    translations.detach()
+    menus.detach()
     overlay.detach()
     handlers.detach()
     live.forget()

@@ -52,7 +52,7 @@ def _operators(layout: Layout) -> set[str]:
 
 def test_without_characters_the_panel_offers_to_begin() -> None:
     found = drawn(*PANELS)
-    assert "The active object plays no" in _text(found)
+    assert "Select an armature" in _text(found)
     assert _operators(found) == {"new_action"}
     scenes.figure("Ann")
     assert "Ann plays no generalized action" in _text()

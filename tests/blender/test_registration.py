@@ -50,6 +50,18 @@ def test_every_operator_can_be_found_by_its_name() -> None:
                 assert getattr(bpy.ops.morph_retarget, name).get_rna_type()
 
 
+def test_no_operator_acts_on_what_it_acted_on_last() -> None:
+    with window.registered():
+        for cls in registration.CLASSES:
+            if issubclass(cls, bpy.types.Operator):
+                kind = getattr(bpy.ops.morph_retarget, cls.bl_idname.split(".")[1]).get_rna_type()
+                own = {prop.identifier for prop in kind.properties if not prop.is_skip_save} - _OF_FILES
+                assert own - {"rna_type"} <= set(getattr(cls, "remembered", ())), cls
+
+
+_OF_FILES = {"filepath", "filter_glob", "check_existing", "hide_props_region"}
+"""Settings that Blender's own helpers for files bring."""
+
 _INSTALL = """
 import sys, bpy
 bpy.ops.extensions.package_install_files(filepath=sys.argv[1], repo="user_default", enable_on_install=True)

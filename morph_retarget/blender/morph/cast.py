@@ -191,8 +191,8 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     action = action or action_of(ob)
     assert action is not None, "only performers are asked for"
     own = of_rig(ob)
-    switches = own.bends_spine, own.allows_stretch, own.avoids_collisions, own.use_joint_limits
-    state = (action.session_uid, len(of_action(action).channels), own.variant, switches, own.gait.enabled)
+    solving = own.bends_spine, own.allows_stretch, own.avoids_collisions, own.keeps_above_ground, own.use_joint_limits
+    state = (action.session_uid, len(of_action(action).channels), own.variant, solving, own.gait.enabled)
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
@@ -212,6 +212,7 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
         bends_spine=own.bends_spine,
         allows_stretch=own.allows_stretch,
         avoids_collisions=own.avoids_collisions,
+        keeps_above_ground=own.keeps_above_ground,
     )
     limits = joint_limits.read(ob, rig) if own.use_joint_limits else None
     fixed = stretching.connected(rig) if own.allows_stretch else frozenset[int]()

@@ -131,6 +131,14 @@ class Performer:
         override=_OVERRIDABLE,
         update=tell_character,
     )
+    keeps_above_ground: BoolProperty(
+        name="Keep above Ground",
+        description="Turn hands, tails and wings up where they would go below the ground, as far as no goal places "
+        "them. The ground is level, at the height of the feet; with locomotion nothing is turned up",
+        default=True,
+        override=_OVERRIDABLE,
+        update=tell_character,
+    )
     use_joint_limits: BoolProperty(
         name="Joint Limits",
         description="Turn no bone further than its own limits for inverse kinematics allow, where it has any",

@@ -1,5 +1,7 @@
 """Everything that buttons and scripts can do; each operator is thin: collect, one call, write, one report."""
 
+import bpy
+
 from . import (
     annotations,
     channel_list,
@@ -13,6 +15,7 @@ from . import (
     libraries,
     live,
     locomotion,
+    manners,
     performing,
     presets,
     retargeting,
@@ -43,3 +46,7 @@ CLASSES = (
     *annotations.CLASSES,
     *libraries.CLASSES,
 )
+
+for _cls in CLASSES:
+    if issubclass(_cls, bpy.types.Operator):
+        manners.forget_settings(_cls)

@@ -60,6 +60,7 @@ class MORPHRETARGET_OT_find_annotations(Stepping, bpy.types.Operator):
         name = self.action or ("" if shown is None or self.armature else shown.name)
         action, slot = collect.actions_of(ob, name)[0]
         _check(action)
+        self.armature, self.action = ob.name, action.name
         return _found(ob, action, slot, scene_in(context))
 
     def finish(self, _: bpy.types.Context, result: tuple[bpy.types.Action, Annotations]) -> Status:
@@ -98,6 +99,7 @@ class MORPHRETARGET_OT_clear_annotations(bpy.types.Operator):
         if action is None:
             raise MotionError(f"there is no action {self.action!r}: select an armature that plays one, or name one")
         _check(action)
+        self.action = action.name
         annotations.of_action(action).clear()
         annotations.clear_strikes(action)
         return {"FINISHED"}

@@ -1,23 +1,28 @@
 """Finding and editing when the source's feet stand."""
 
+from collections.abc import Generator
+
 import bpy
 from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import MotionError
-from .. import collect, contacts, retarget
+from .. import collect, contacts
+from ..contacts import Contact
 from ..properties import MORPHRETARGET_PG_rig, of_rig, of_scene
-from .manners import Status, refuse, reporting, scene_in
+from .manners import PLACE, Status, place_meant, refuse, reporting, scene_in
+from .stepping import Stepping
 
 
 def _source(context: bpy.types.Context) -> bpy.types.Object | None:
     return of_scene(scene_in(context)).source
 
 
-class MORPHRETARGET_OT_detect_contacts(bpy.types.Operator):
+class MORPHRETARGET_OT_detect_contacts(Stepping, bpy.types.Operator):
     bl_idname = "morph_retarget.detect_contacts"
     bl_label = "Detect Contacts"
     bl_description = "Find when the source's feet stand in its present action, and list it for editing"
     bl_options = {"REGISTER", "UNDO"}
+    doing = "Watching the feet"
 
     source: StringProperty(name="Source", description="Armature object; the panel's source when empty")
 
@@ -25,21 +30,30 @@ class MORPHRETARGET_OT_detect_contacts(bpy.types.Operator):
     def poll(cls, _: bpy.types.Context) -> bool:
         return len(bpy.data.armatures) > 0 or refuse(cls, "There is no armature in this file")
 
-    @reporting
-    def execute(self, context: bpy.types.Context) -> Status:
-        scene = scene_in(context)
+    def start(self, context: bpy.types.Context) -> Generator[float, None, tuple[bpy.types.Object, str, list[Contact]]]:
         ob = collect.chosen(self.source, _source(context), "source")
+        self.source = ob.name
         action, slot = collect.actions_of(ob)[0]
-        source = retarget.run(collect.source_of(ob, action, slot, scene))
-        found = contacts.found(source.character, source.clip)
+        return _watched(ob, action, slot, scene_in(context))
+
+    def finish(self, _: bpy.types.Context, result: tuple[bpy.types.Object, str, list[Contact]]) -> Status:
+        ob, action, found = result
         settings = of_rig(ob)
         settings.contacts.clear()
-        settings.contacts_action = action.name
+        settings.contacts_action = action
         for contact in found:
             item = settings.contacts.add()
             item.name, item.start, item.end = contact.foot, round(contact.start), round(contact.end)
-        self.report({"INFO"}, f"{len(found)} contacts found in {action.name!r}")
+        self.report({"INFO"}, f"{len(found)} contacts found in {action!r}")
         return {"FINISHED"}
+
+
+def _watched(
+    ob: bpy.types.Object, action: bpy.types.Action, slot: bpy.types.ActionSlot, scene: bpy.types.Scene
+) -> Generator[float, None, tuple[bpy.types.Object, str, list[Contact]]]:
+    """Find in steps when the feet of an armature stand in an action."""
+    source = yield from collect.source_of(ob, action, slot, scene)
+    return ob, action.name, list(contacts.found(source.character, source.clip))
 
 
 class _OnList(bpy.types.Operator):
@@ -94,7 +108,8 @@ class MORPHRETARGET_OT_add_contact(bpy.types.Operator):
         foot = self.foot or settings.contacts[settings.active_contact].name
         now = scene_in(context).frame_current
         item = settings.contacts.add()
-        item.name, item.start, item.end = foot, self.start or now, self.end or now + 10
+        self.foot, self.start, self.end = foot, self.start or now, self.end or now + 10
+        item.name, item.start, item.end = self.foot, self.start, self.end
         settings.active_contact = len(settings.contacts) - 1
         settings.contacts_action = collect.actions_of(ob)[0][0].name
         return {"FINISHED"}
@@ -105,9 +120,13 @@ class MORPHRETARGET_OT_remove_contact(_OnList):
     bl_label = "Remove Contact"
     bl_description = "Remove the active contact from the list"
 
+    place: PLACE
+
+    @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         rig = self._rig(context)
-        rig.contacts.remove(rig.active_contact)
+        missing = "there is no such contact: choose one in the list"
+        rig.contacts.remove(place_meant(self, len(rig.contacts), rig.active_contact, missing))
         rig.active_contact = max(min(rig.active_contact, len(rig.contacts) - 1), 0)
         return {"FINISHED"}
 

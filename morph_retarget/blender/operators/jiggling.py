@@ -11,7 +11,7 @@ from ..morph import cast
 from ..morph.jiggle_properties import BONE, KINDS
 from ..properties import of_rig
 from ..rig import pose_of
-from .manners import Status, active_bone, armature_meant, armature_poll, reporting, scene_in
+from .manners import PLACE, Status, active_bone, armature_meant, armature_poll, place_meant, reporting, scene_in
 from .stepping import Stepping
 
 
@@ -41,6 +41,7 @@ class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
         if not len(pose_of(ob).bones):
             raise RigError(f"armature {ob.name!r} has no bones: choose one that has")
         action, slot = collect.actions_of(ob, self.action)[0]
+        self.character, self.action = ob.name, action.name
         return jiggle_bake.bake(ob, action, slot, scene_in(context))
 
     def finish(self, _: bpy.types.Context, outcome: jiggle_bake.Outcome) -> Status:
@@ -81,6 +82,7 @@ class MORPHRETARGET_OT_remove_jiggle_settings(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    place: PLACE
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -90,9 +92,9 @@ class MORPHRETARGET_OT_remove_jiggle_settings(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Status:
         ob = armature_meant(context, self.character)
         own = of_rig(ob).jiggles
-        if not 0 <= own.active_override < len(own.overrides):
-            raise RigError(f"{ob.name!r} has no such settings: choose some in the list")
-        own.remove(own.active_override)
+        missing = f"{ob.name!r} has no such settings: choose some in the list"
+        own.remove(place_meant(self, len(own.overrides), own.active_override, missing))
+        self.character = ob.name
         return {"FINISHED"}
 
 

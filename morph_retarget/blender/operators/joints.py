@@ -35,7 +35,8 @@ class _OnJoint(bpy.types.Operator):
         settings = of_rig(ob)
         if not settings.joints:
             raise RigError(f"{ob.name!r} has no joint list yet: analyze it first")
-        return ob, self.joint or settings.joints[settings.active_joint].name
+        self.rig, self.joint = ob.name, self.joint or settings.joints[settings.active_joint].name
+        return ob, self.joint
 
 
 class MORPHRETARGET_OT_pick_bone(_OnJoint):
@@ -48,7 +49,7 @@ class MORPHRETARGET_OT_pick_bone(_OnJoint):
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         ob, joint = self._meant(context)
-        bone = self.bone or _selected_bone(context, ob)
+        bone = self.bone = self.bone or _selected_bone(context, ob)
         if bone not in armature_of(ob).bones:
             raise MappingError(f"armature {ob.name!r} has no bone {bone!r}: choose one of its bones")
         of_rig(ob).assign(joint, bone)
@@ -127,6 +128,7 @@ class MORPHRETARGET_OT_reset_joints(_OnJoint):
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         ob = rig_meant(context, self.rig)
+        self.rig = ob.name
         of_rig(ob).joints.clear()
         analyze(scene_in(context), ob)
         return {"FINISHED"}

@@ -33,7 +33,8 @@ class _OfChannel:
         action = None if ob is None else cast.action_of(ob)
         if ob is None or action is None:
             raise RigError(f"{ob.name if ob else 'nothing'!r} plays no generalized action: add it to one first")
-        return ob, keys.channel_named(action, self.channel).name
+        self.character, self.channel = ob.name, keys.channel_named(action, self.channel).name
+        return ob, self.channel
 
 
 class MORPHRETARGET_OT_key_channel(_OfChannel, bpy.types.Operator):

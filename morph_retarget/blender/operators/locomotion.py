@@ -12,7 +12,17 @@ from ..locomotion.properties import KEYED, STYLE_ITEMS, MORPHRETARGET_PG_gait
 from ..morph import cast, definitions, perform
 from ..properties import of_rig
 from .generalized import characters_meant, let_play, performer_meant
-from .manners import Status, armature_meant, armature_poll, refuse, reporting, scene_in, show_alone
+from .manners import (
+    PLACE,
+    Status,
+    armature_meant,
+    armature_poll,
+    place_meant,
+    refuse,
+    reporting,
+    scene_in,
+    show_alone,
+)
 
 NAME = "Locomotion"
 """Of actions without channels, and of the group of curves."""
@@ -116,6 +126,7 @@ class MORPHRETARGET_OT_remove_gait_style(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    place: PLACE
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -125,9 +136,9 @@ class MORPHRETARGET_OT_remove_gait_style(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Status:
         ob = armature_meant(context, self.character)
         own = of_rig(ob).gait
-        if not 0 <= own.active_layer < len(own.layers):
-            raise RigError(f"{ob.name!r} has no such style: choose one in the list")
-        own.remove(own.active_layer)
+        missing = f"{ob.name!r} has no such style: choose one in the list"
+        own.remove(place_meant(self, len(own.layers), own.active_layer, missing))
+        self.character = ob.name
         return {"FINISHED"}
 
 

@@ -1,10 +1,12 @@
 """What all operators share: errors as reports, and which rig is meant."""
 
 import functools
+import inspect
 from collections.abc import Callable
 from typing import Any
 
 import bpy
+from bpy.props import IntProperty
 
 from ...core.errors import MorphError, RigError
 from .. import collect
@@ -13,6 +15,8 @@ from ..properties import of_scene
 from ..rig import armature_of
 
 Status = set[str]
+PLACE = IntProperty(name="Place", description="Place in the list; that of the chosen one when -1", default=-1, min=-1)
+"""What operators ask for that take one thing out of a list."""
 
 
 def reporting(method: Callable[[Any, bpy.types.Context], Status]) -> Callable[[Any, bpy.types.Context], Status]:
@@ -97,6 +101,25 @@ def active_bone(ob: bpy.types.Object) -> str:
     return active.name
 
 
+def place_meant(operator: Any, count: int, active: int, missing: str) -> int:
+    """Return which item of a list an operator with a `PLACE` means, and keep it in there.
+
+    Args:
+        operator: It.
+        count: Length of the list.
+        active: Place of the chosen item.
+        missing: What is wrong if there is no such item, and what to do.
+
+    Raises:
+        RigError: There is none.
+    """
+    place = active if operator.place < 0 else operator.place
+    if not 0 <= place < count:
+        raise RigError(missing)
+    operator.place = place
+    return place
+
+
 def show_alone(context: bpy.types.Context, ob: bpy.types.Object) -> None:
     """Select an object and no other, and make it the active one, so that the Graph Editor shows its curves."""
     layer = context.view_layer
@@ -107,6 +130,19 @@ def show_alone(context: bpy.types.Context, ob: bpy.types.Object) -> None:
         other.select_set(False)
     ob.select_set(True)
     layer.objects.active = ob
+
+
+def forget_settings(cls: type[bpy.types.Operator]) -> None:
+    """Let an operator begin anew each time, but for the settings that it names as `remembered`.
+
+    Blender would give a button that leaves a setting open what was chosen last, and so act on the character before.
+    """
+    remembered = getattr(cls, "remembered", ())
+    for base in cls.__mro__:
+        own = inspect.get_annotations(base) if base.__module__.startswith(__package__ or "") else {}
+        for name, declared in own.items():
+            if name not in remembered and hasattr(declared, "keywords"):
+                declared.keywords["options"] = {*declared.keywords.get("options", {"ANIMATABLE"}), "SKIP_SAVE"}
 
 
 def refuse(cls: type[bpy.types.Operator], reason: str) -> bool:

@@ -37,7 +37,11 @@ class MORPHRETARGET_OT_bake_action(Stepping, bpy.types.Operator):
 
     def start(self, context: bpy.types.Context) -> Generator[float, None, list[bake.Outcome]]:
         scene = scene_in(context)
-        found = cast.performers(scene) if self.all_characters else [performer_meant(context, self.character)]
+        if self.all_characters:
+            found = cast.performers(scene)
+        else:
+            found = [performer_meant(context, self.character)]
+            self.character = found[0].name
         playing = [ob for ob in found if cast.member(ob).plays]
         for ob in found:
             if ob not in playing:
@@ -74,6 +78,7 @@ class MORPHRETARGET_OT_generalize_action(Stepping, bpy.types.Operator):
     bl_description = "Make a generalized action of what the armature's action does, for characters of any shape"
     bl_options = {"REGISTER", "UNDO"}
     doing = "Generalizing"
+    remembered = ("preset", "in_place", "slow")
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
     action: StringProperty(name="Action", description="Action of the armature; the one that it plays when empty")
@@ -103,6 +108,7 @@ class MORPHRETARGET_OT_generalize_action(Stepping, bpy.types.Operator):
         if not len(armature_of(ob).bones):
             raise MotionError(f"armature {ob.name!r} has no bones: choose one that moves")
         action, slot = collect.actions_of(ob, self.action)[0]
+        self.character, self.action = ob.name, action.name
         channels = channel_presets.load(self.preset)
         options = capture.Options(CaptureSettings(self.in_place, self.slow))
         return capture.generalize(ob, action, slot, scene_in(context), channels, options)

@@ -1,16 +1,29 @@
 """Finding out what a rig is, and which two rigs are meant."""
 
+from collections.abc import Generator
+
 import bpy
 from bpy.props import StringProperty
 
 from ...core.character.character import Character
+from ...core.errors import RigError
 from .. import actions, collect, retarget
 from ..properties import of_rig, of_scene
-from .manners import Status, refuse, reporting, rig_meant, scene_in
+from .manners import Status, armature_poll, refuse, reporting, rig_meant, scene_in
+from .stepping import Stepping
 
 
 def analyze(scene: bpy.types.Scene, ob: bpy.types.Object) -> Character:
-    """Find out what an armature is and fill its joint list; a source is judged by its clip where its rest is no pose.
+    """Find out what an armature is and fill its joint list.
+
+    Raises:
+        MorphError: It cannot be analysed.
+    """
+    return retarget.run(analyzing(scene, ob))
+
+
+def analyzing(scene: bpy.types.Scene, ob: bpy.types.Object) -> Generator[float, None, Character]:
+    """Do the same in steps: a source is judged by its clip where its rest is no pose, which may take a while.
 
     Raises:
         MorphError: It cannot be analysed.
@@ -18,17 +31,18 @@ def analyze(scene: bpy.types.Scene, ob: bpy.types.Object) -> Character:
     own, found = collect.target_of(ob)
     action, slot = actions.assigned(ob)
     if not found.rest_is_pose and action is not None and slot is not None:
-        clip = retarget.run(collect.source_of(ob, action, slot, scene)).clip
-        found = retarget.character_of(own, of_rig(ob).overrides(), clip)
+        source = yield from collect.source_of(ob, action, slot, scene)
+        found = retarget.character_of(own, of_rig(ob).overrides(), source.clip)
     of_rig(ob).show(found)
     return found
 
 
-class MORPHRETARGET_OT_analyze(bpy.types.Operator):
+class MORPHRETARGET_OT_analyze(Stepping, bpy.types.Operator):
     bl_idname = "morph_retarget.analyze"
     bl_label = "Analyze"
     bl_description = "Find the rig's joints, body parts and directions; your own corrections are kept"
     bl_options = {"REGISTER", "UNDO"}
+    doing = "Analyzing"
 
     rig: StringProperty(name="Rig", description="Armature object; the shown one when empty")
 
@@ -36,10 +50,13 @@ class MORPHRETARGET_OT_analyze(bpy.types.Operator):
     def poll(cls, _: bpy.types.Context) -> bool:
         return bpy.data.armatures.values() != [] or refuse(cls, "There is no armature in this file")
 
-    @reporting
-    def execute(self, context: bpy.types.Context) -> Status:
+    def start(self, context: bpy.types.Context) -> Generator[float, None, Character]:
         ob = rig_meant(context, self.rig)
-        found = analyze(scene_in(context), ob)
+        self.rig = ob.name
+        return analyzing(scene_in(context), ob)
+
+    def finish(self, context: bpy.types.Context, found: Character) -> Status:
+        ob = rig_meant(context, self.rig)
         doubtful = [joint for joint, match in found.joints.items() if match.confidence < 0.8]
         for warning in found.warnings:
             self.report({"WARNING"}, f"{ob.name}: {warning}")
@@ -66,14 +83,21 @@ class MORPHRETARGET_OT_use_selected(bpy.types.Operator):
     bl_description = "Take the active armature as the target and the other selected one as the source"
     bl_options = {"REGISTER", "UNDO"}
 
+    source: StringProperty(name="Source", description="Armature object; the selected one that is not active when empty")
+    target: StringProperty(name="Target", description="Armature object; the active one when empty")
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        found = _selected(context)
-        return len(found) == 2 or refuse(cls, "Select two armatures, the target last")
+        return armature_poll(cls, context)
 
+    @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        settings = of_scene(scene_in(context))
-        settings.source, settings.target = _selected(context)
+        settings, found = of_scene(scene_in(context)), _selected(context)
+        if len(found) != 2 and not (self.source and self.target):
+            raise RigError("two armatures have to be selected: select the one that moves, then the target")
+        self.source, self.target = self.source or found[0].name, self.target or found[1].name
+        settings.source = collect.armature(self.source, "source")
+        settings.target = collect.armature(self.target, "target")
         return {"FINISHED"}
 
 

@@ -6,7 +6,7 @@ from bpy.props import StringProperty
 from ...core.errors import RigError
 from ..properties import of_rig
 from ..rig import pose_of
-from .manners import Status, active_bone, armature_meant, armature_poll, reporting
+from .manners import PLACE, Status, active_bone, armature_meant, armature_poll, place_meant, reporting
 
 
 class MORPHRETARGET_OT_add_limb_settings(bpy.types.Operator):
@@ -39,6 +39,7 @@ class MORPHRETARGET_OT_remove_limb_settings(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
+    place: PLACE
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -48,9 +49,9 @@ class MORPHRETARGET_OT_remove_limb_settings(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Status:
         ob = armature_meant(context, self.character)
         own = of_rig(ob).solver
-        if not 0 <= own.active_limb < len(own.limbs):
-            raise RigError(f"{ob.name!r} has no such settings: choose some in the list")
-        own.remove(own.active_limb)
+        missing = f"{ob.name!r} has no such settings: choose some in the list"
+        own.remove(place_meant(self, len(own.limbs), own.active_limb, missing))
+        self.character = ob.name
         return {"FINISHED"}
 
 

@@ -1,4 +1,4 @@
-"""What the window shows: the tab in the 3D viewport's sidebar."""
+"""What the window shows: the tab in the 3D viewport's sidebar, channels beside their curves, and menus."""
 
 from . import (
     annotation_panel,
@@ -7,9 +7,11 @@ from . import (
     channel_values,
     directing_panel,
     generalized,
+    graph_panels,
     jiggle_panel,
     joint_list,
     locomotion_panel,
+    menus,
     motion_tree,
     panels,
     solver_panel,
@@ -28,4 +30,6 @@ CLASSES = (
     *motion_tree.CLASSES,
     *annotation_panel.CLASSES,
     *jiggle_panel.CLASSES,
+    *graph_panels.CLASSES,
+    *menus.CLASSES,
 )

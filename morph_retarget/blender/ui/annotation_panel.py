@@ -9,7 +9,7 @@ from ..directing import annotations
 from ..directing.annotations import STROKES
 from ..morph import definitions
 from ..operators.annotations import action_in_hand
-from .tab import InTab, split_layout
+from .tab import InTab, split_layout, told
 
 _FIRST = ("kind", "style", "phase", "cycle", "side", "parts")
 _MOTION = ("speed", "turn_rate", "direction")
@@ -61,7 +61,8 @@ class _Annotations:
         for name in STROKES if own.is_gesture else ():
             column.prop(own, name)
         steps = sum(annotations.is_strike(marker.name) for marker in action.pose_markers)
-        layout.label(text=f"{steps} steps told by pose markers", icon="MARKER_HLT")
+        text = told("{count} steps told by pose markers", count=steps)
+        layout.label(text=text, icon="MARKER_HLT", translate=False)
 
 
 class MORPHRETARGET_PT_annotations(_Annotations, InTab, bpy.types.Panel):

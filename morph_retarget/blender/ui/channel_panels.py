@@ -14,7 +14,7 @@ from ..morph import cast, definitions, query
 from ..morph.properties import MORPHRETARGET_PG_channel, MORPHRETARGET_PG_context, of_action
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
-from .tab import InTab, say, split_layout
+from .tab import InTab, say, split_layout, told
 
 FEW = 2
 """So many bodies are called by their names."""
@@ -108,31 +108,36 @@ class MORPHRETARGET_PT_movement(OfChannel, bpy.types.Panel):
     bl_label = "Movement"
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, (_, action, item) = split_layout(self), shown(context)
-        channel = _understood(layout, item, context)
-        if channel is None:
-            return
-        say(layout, words.movement_in_words(channel), "ANIM", context)
-        for text in words.caveats(channel):
-            say(layout, text, "INFO", context)
-        idle = words.without_effect(channel)
-        heading = layout.column(heading="Poses", align=True)
-        heading.prop(item, "poses_position")
-        heading.prop(item, "poses_rotation")
-        column = layout.column(align=True)
-        for name in ("position", "rotation", "scale"):
-            _draw_mode(column, item, name, idle)
-        column = layout.column(heading="Relative To", align=True)
-        for name, text in (
-            ("ground_relative", "Ground"),
-            ("sagittal_relative", "Plane of Symmetry"),
-            ("secondary_relative", "Target"),
-        ):
-            _draw_mode(column, item, name, idle, text)
-        column = layout.column(heading="With Target", align=True)
-        _draw_mode(column, item, "directional_only", idle)
-        _draw_mode(column, item, "look_at", idle)
-        layout.prop(of_action(action), "remap")
+        draw_movement(self, context)
+
+
+def draw_movement(panel: bpy.types.Panel, context: bpy.types.Context) -> None:
+    """Draw how the active channel moves."""
+    layout, (_, action, item) = split_layout(panel), shown(context)
+    channel = _understood(layout, item, context)
+    if channel is None:
+        return
+    say(layout, words.movement_in_words(channel), "ANIM", context)
+    for text in words.caveats(channel):
+        say(layout, text, "INFO", context)
+    idle = words.without_effect(channel)
+    heading = layout.column(heading="Poses", align=True)
+    heading.prop(item, "poses_position")
+    heading.prop(item, "poses_rotation")
+    column = layout.column(align=True)
+    for name in ("position", "rotation", "scale"):
+        _draw_mode(column, item, name, idle)
+    column = layout.column(heading="Relative To", align=True)
+    for name, text in (
+        ("ground_relative", told("Ground")),
+        ("sagittal_relative", told("Plane of Symmetry")),
+        ("secondary_relative", told("Target")),
+    ):
+        _draw_mode(column, item, name, idle, text)
+    column = layout.column(heading="With Target", align=True)
+    _draw_mode(column, item, "directional_only", idle)
+    _draw_mode(column, item, "look_at", idle)
+    layout.prop(of_action(action), "remap")
 
 
 def _draw_mode(
@@ -164,7 +169,7 @@ class MORPHRETARGET_PT_target(OfChannel, bpy.types.Panel):
         if values is None:
             return
         column = layout.column(align=True)
-        column.prop(values, "target", text=f"Of {ob.name}", translate=False)
+        column.prop(values, "target", text=told("Of {name}", name=ob.name), translate=False)
         if values.target is not None and values.target.type == "ARMATURE":
             column.prop_search(values, "target_bone", values.target.data, "bones", icon="BONE_DATA")
 

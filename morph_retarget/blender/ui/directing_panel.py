@@ -14,7 +14,7 @@ from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_di
 from ..locomotion import walks
 from ..morph import cast, query
 from ..properties import of_rig
-from .tab import InTab, say, split_layout
+from .tab import InTab, say, split_layout, told
 
 _ICONS: dict[str, Any] = {Verb.START: "PLAY", Verb.STOP: "PAUSE", Verb.RESET: "LOOP_BACK"}
 _FILES = "morph_retarget.import_commands"
@@ -79,8 +79,9 @@ class MORPHRETARGET_MT_add_command(bpy.types.Menu):
         layout, ob = self.layout, query.active_character(context)
         if ob is None:
             return
+        titles = {"Motions": told("Motions"), "Behaviors": told("Behaviors")}
         for title, names in known.groups(ob).items():
-            layout.label(text=title)
+            layout.label(text=titles[title], translate=False)
             for model in names:
                 button = layout.operator("morph_retarget.add_command", text=model, translate=False)
                 button.character, button.model = ob.name, model
@@ -196,9 +197,7 @@ def _draw_command(column: bpy.types.UILayout, ob: bpy.types.Object, command: MOR
     parameters = known.parameters(ob, command.model)
     for item in command.parameters:
         _draw_parameter(column.row(align=True), ob, item, item.name in parameters)
-    row = column.row()
-    row.alignment = "RIGHT"
-    row.menu("MORPHRETARGET_MT_add_parameter", icon="ADD")
+    column.menu("MORPHRETARGET_MT_add_parameter", icon="ADD")
 
 
 def _draw_parameter(

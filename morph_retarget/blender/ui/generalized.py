@@ -13,7 +13,7 @@ from ..morph import cast, channel_presets, query
 from ..morph.properties import MORPHRETARGET_PG_channel, of_action
 from ..operators.generalized import generalized_actions
 from ..properties import of_rig, of_scene
-from .tab import InTab, say
+from .tab import InTab, say, told
 
 _TYPES: dict[str, Any] = {
     Capability.ROOT: "EMPTY_AXIS",
@@ -118,7 +118,10 @@ class MORPHRETARGET_MT_channel_presets(bpy.types.Menu):
         layout.operator("morph_retarget.save_channels", icon="ADD")
         for name in presets.names(channel_presets.KIND):
             button = layout.operator(
-                "morph_retarget.delete_channels", text=f"Delete {name}", icon="REMOVE", translate=False
+                "morph_retarget.delete_channels",
+                text=told("Delete {name}", name=name),
+                icon="REMOVE",
+                translate=False,
             )
             button.name = name
 
@@ -134,8 +137,10 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
         if ob is None or action is None:
             row.menu("MORPHRETARGET_MT_actions", text="Choose", icon="ACTION")
             row.operator("morph_retarget.new_action", text="New", icon="ADD")
-            name = ob.name if ob is not None else "The active object"
-            say(layout, f"{name} plays no generalized action", "INFO", context)
+            if ob is None:
+                say(layout, "Select an armature, then press New", "INFO", context)
+            else:
+                say(layout, told("{name} plays no generalized action", name=ob.name), "INFO", context)
             if ob is not None and ob.animation_data is not None and ob.animation_data.action is not None:
                 layout.operator("morph_retarget.generalize_action", icon="ARMATURE_DATA").character = ob.name
             return

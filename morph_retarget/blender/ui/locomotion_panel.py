@@ -15,7 +15,7 @@ from ..locomotion.properties import Source
 from ..morph import cast, query
 from ..properties import of_rig
 from . import gait_diagram
-from .tab import InTab, say, split_layout
+from .tab import InTab, say, split_layout, told
 
 FIRST = ("stride", "step_height", "crouch")
 """Settings that are shown first."""
@@ -51,7 +51,7 @@ class MORPHRETARGET_UL_gait_styles(bpy.types.UIList):
         row = layout.row()
         row.active = item.weight > 0.0
         row.label(text=STYLES[item.style].title, icon="MOD_WAVE")
-        row.label(text=f"Legs {item.group}" if item.group else "")
+        row.label(text=told("Legs {group}", group=item.group) if item.group else "", translate=False)
         row.prop(item, "weight", text="", emboss=False)
 
 
@@ -75,7 +75,7 @@ class MORPHRETARGET_PT_locomotion(InTab, bpy.types.Panel):
         row = layout.row(align=True)
         row.prop(own, "style")
         row.operator("morph_retarget.remove_locomotion", text="", icon="X").character = ob.name
-        layout.row().prop(own, "source", expand=True)
+        layout.prop(own, "source")  # as buttons in a row their names would be cut off
         _draw_way(layout, ob)
         column = layout.column()
         for name in FIRST:

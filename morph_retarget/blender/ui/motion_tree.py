@@ -18,7 +18,7 @@ from ...core.directing.director import Directed
 from ..locomotion import walks
 from ..sampling import seconds_per_frame
 from .directing_panel import directed
-from .tab import InTab
+from .tab import InTab, told
 
 MOST_ROWS = 40
 """Of a tree; what is deeper or later is left out."""
@@ -63,7 +63,7 @@ class MORPHRETARGET_PT_motion_tree(InTab, bpy.types.Panel):
         for branch in branches[:MOST_ROWS]:
             _draw_branch(column, branch)
         if len(branches) > MOST_ROWS:
-            column.label(text=f"… and {len(branches) - MOST_ROWS} more")
+            column.label(text=told("… and {count} more", count=len(branches) - MOST_ROWS), translate=False)
 
 
 def _draw_token(column: bpy.types.UILayout, token: Token, scale: float) -> None:
@@ -77,8 +77,8 @@ def _draw_token(column: bpy.types.UILayout, token: Token, scale: float) -> None:
     split = column.split(factor=SHARE_OF_NAMES)
     split.active = not token.waits
     split.label(text=token.model, icon="TIME" if token.waits else "PLAY", translate=False)
-    since = f"{token.start * scale:g}"
-    split.label(text="waits" if token.waits else f"from {since}", translate=False)
+    since = told("from {frame}", frame=f"{token.start * scale:g}")
+    split.label(text=told("waits") if token.waits else since, translate=False)
 
 
 def _draw_branch(column: bpy.types.UILayout, branch: Branch) -> None:

@@ -11,7 +11,7 @@ from ..morph import cast, query
 from ..properties import of_rig
 from .tab import InTab, split_layout
 
-SWITCHES = ("bends_spine", "allows_stretch", "avoids_collisions", "use_joint_limits")
+SWITCHES = ("bends_spine", "allows_stretch", "avoids_collisions", "keeps_above_ground", "use_joint_limits")
 """Properties of a character that are shown first."""
 OF_LIMBS = ("swivel", "pull", "spine_start", "slow_down", "full_reach", "softness", "outer_iterations")
 OF_ALL = ("slow_down", "full_reach", "softness", "outer_iterations", "nudge")
