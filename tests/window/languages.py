@@ -1,0 +1,26 @@
+"""A user changes the language, and the panels speak it."""
+
+from collections.abc import Iterator
+
+import bpy
+
+from morph_retarget.blender.translations import LANGUAGES
+from tests.window.hand import Hand
+
+OURS = "Retarget"
+
+
+def path(hand: Hand) -> Iterator[None]:
+    """Play it."""
+    view = bpy.context.preferences.view
+    assert bpy.app.translations.pgettext_iface(OURS) == OURS
+    for code, messages in LANGUAGES.items():
+        assert code in bpy.app.translations.locales, f"Blender knows no language {code}"
+        view.language = code
+        yield
+        for context in ("*", "Operator"):
+            assert bpy.app.translations.pgettext_iface(OURS, context) == messages[OURS]
+        hand.point_at()
+        yield
+    view.language = "en_US"
+    yield
