@@ -17,7 +17,7 @@ def stamp() -> None:
     """Mark all scenes and generalized actions with the present version, except what a newer one has made."""
     for scene in bpy.data.scenes:
         if scene.library is None:
-            of_scene(scene).version = VERSION
+            of_scene(scene).version = max(of_scene(scene).version, VERSION)
     for action in bpy.data.actions:
         own = of_action(action)
         if action.library is None and (len(own.channels) or own.version):

@@ -14,9 +14,11 @@ import numpy as np
 
 from . import (
     annotations,
+    batch,
     clips,
     core,
     directing,
+    fuzz,
     gait,
     ik,
     jiggle,
@@ -47,6 +49,8 @@ BENCHMARKS: Mapping[str, Callable[[], list[Figure]]] = {
     "gait": gait.run,
     "annotations": annotations.run,
     "directing": directing.run,
+    "batch": batch.run,
+    "fuzz": fuzz.run,
 }
 
 

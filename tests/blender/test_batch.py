@@ -25,6 +25,7 @@ from tests.blender.command import Command, contents, refused
 from tests.blender.files import Files
 
 ROOT = Path(__file__).resolve().parents[2]
+REPORTS = ["index.html", "junit.xml", "report.json"]
 
 # --- workers that misbehave ---
 
@@ -166,7 +167,7 @@ def test_a_folder_of_clips_becomes_a_folder_of_results(cli: Command, files: File
     assert said.out.startswith("3 jobs in ")
     assert said.out.count("\n") == 1
     assert any("failed: sprout/deep/broken.glb: " in line for line in said.errors)
-    assert _visible(out) == ["junit.xml", "report.json", *names[1:]]
+    assert _visible(out) == [*REPORTS, *names[1:]]
     assert _statuses(out) == dict(zip(names, ["failed", "ok", "ok"], strict=True))
     assert Xml.parse(out / "junit.xml").getroot().attrib["failures"] == "1"
     assert results.reload(out / names[2]).animation_data.action is not None
@@ -209,8 +210,8 @@ def test_a_file_of_jobs_takes_all_actions(cli: Command, files: Files, tmp_path: 
     assert sorted(entry["files"]) == ["tall_March.bvh", "tall_Stroll.bvh"]
 
     # A result whose name is known when its action is: nor is that replaced.
-    (out / "report.json").unlink()
-    (out / "junit.xml").unlink()
+    for name in REPORTS:
+        (out / name).unlink()
     (out / "tall_Stroll.bvh").unlink()
     (out / "tall_March.bvh").write_text("mine")
     assert cli("batch", jobs, "--out", out).status == 1
@@ -222,7 +223,7 @@ def test_workers_with_too_little_time_leave_nothing(cli: Command, files: Files, 
     shutil.rmtree(clips / "deep")
     assert cli("batch", clips, "--on", files.sprout, "--out", tmp_path / "out", "--timeout", 0.001).status == 1
     assert _statuses(tmp_path / "out") == {"sprout/walk.glb": "timeout"}
-    assert _visible(tmp_path / "out") == ["junit.xml", "report.json"]
+    assert _visible(tmp_path / "out") == REPORTS
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of memory hold on Linux")
@@ -239,25 +240,13 @@ def test_a_run_that_was_killed_goes_on(cli: Command, files: Files, tmp_path: Pat
     for i in range(4):
         shutil.copy(files.clip(), clips / f"walk{i}.bvh")
     batch = ["batch", str(clips), "--on", str(files.sprout), "--out", str(out), "--files", "{source}.glb"]
-    started = subprocess.Popen(
-        [sys.executable, "-m", "morph_retarget", *batch],
-        env=os.environ | {"PYTHONPATH": str(ROOT)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
-    record = out / ".morph_retarget" / "ledger.jsonl"
-    while started.poll() is None and sum(entry["state"] == "done" for entry in _entries(record)) < 1:
-        time.sleep(0.05)
+    started, record = _begun(batch, out)
     started.send_signal(signal.SIGKILL)
-    started.wait()
+    started.communicate()
     entries = list(_entries(record))
     done = {entry["job"] for entry in entries if entry["state"] == "done"}
     times = {name: (out / name).stat().st_mtime_ns for name in done}
-    for worker in {entry["worker"] for entry in entries if entry["state"] == "begun"}:
-        until = time.monotonic() + 20.0
-        while _runs(worker) and time.monotonic() < until:
-            time.sleep(0.02)
-        assert not _runs(worker), "a worker whose batch is gone ends by itself"
+    _check_workers_end(entries)
 
     said = cli(*batch, "--resume")
     assert said.status == 0, said
@@ -265,8 +254,58 @@ def test_a_run_that_was_killed_goes_on(cli: Command, files: Files, tmp_path: Pat
     assert list(_statuses(out)) == names
     assert {name for name, status in _statuses(out).items() if status == "skipped"} >= done
     assert all((out / name).stat().st_mtime_ns == stamp for name, stamp in times.items())
-    assert _visible(out) == sorted(["junit.xml", "report.json", *names])
+    assert _visible(out) == sorted([*REPORTS, *names])
     assert [path.name for path in out.iterdir() if path.name.startswith(".")] == [".morph_retarget"]
+
+
+def test_a_run_that_is_stopped_ends_its_workers_and_tells_what_it_did(
+    cli: Command, files: Files, tmp_path: Path
+) -> None:
+    clips, out = tmp_path / "clips", tmp_path / "out"
+    clips.mkdir()
+    for i in range(40):
+        shutil.copy(files.clip(), clips / f"walk{i:02}.bvh")
+    batch = ["batch", str(clips), "--on", str(files.sprout), "--out", str(out), "--files", "{source}.glb"]
+    started, record = _begun(batch, out)
+    started.send_signal(signal.SIGINT)
+    started.send_signal(signal.SIGINT)  # impatience changes nothing
+    _, said = started.communicate()
+    assert started.returncode == 1
+    assert "go on with --resume" in said
+    assert "Traceback" not in said
+    _check_workers_end(list(_entries(record)))
+    statuses = list(_statuses(out).values())
+    assert len(statuses) == 40
+    assert set(statuses) == {"ok", "stopped"}
+    assert int(Xml.parse(out / "junit.xml").getroot().attrib["errors"]) == statuses.count("stopped")
+    assert _visible(out) == sorted([*REPORTS, *(name for name, was in _statuses(out).items() if was == "ok")])
+    for path in sorted(clips.iterdir())[statuses.count("ok") + 2 :]:
+        path.unlink()
+    assert cli(*batch, "--resume").status == 0
+    assert list(_statuses(out).values()).count("skipped") >= statuses.count("ok")
+
+
+def _begun(batch: list[str], out: Path) -> tuple["subprocess.Popen[str]", Path]:
+    """Return a batch as a process of its own that has done a job, and the record of it."""
+    started = subprocess.Popen(
+        [sys.executable, "-m", "morph_retarget", *batch],
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    record = out / ".morph_retarget" / "ledger.jsonl"
+    while started.poll() is None and sum(entry["state"] == "done" for entry in _entries(record)) < 1:
+        time.sleep(0.05)
+    return started, record
+
+
+def _check_workers_end(entries: list[dict[str, object]]) -> None:
+    for worker in {entry["worker"] for entry in entries if entry["state"] == "begun"}:
+        until = time.monotonic() + 20.0
+        while _runs(worker) and time.monotonic() < until:
+            time.sleep(0.02)
+        assert not _runs(worker), "a worker whose batch is gone ends by itself"
 
 
 def _entries(record: Path) -> Iterator[dict[str, object]]:

@@ -1,14 +1,16 @@
 """Batches: what is asked for becomes jobs, and what cannot be meant is refused before anything starts."""
 
 import json
+import signal
 from dataclasses import replace
+from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree as Xml
 
 import pytest
 
-from morph_retarget.blender.batch import files, gates, jobs_file, junit, ledger, plan
-from morph_retarget.blender.batch.jobs import Job, Wish, usual_options
+from morph_retarget.blender.batch import files, gates, jobs_file, junit, ledger, plan, summary
+from morph_retarget.blender.batch.jobs import Job, Refused, usual_options
 from morph_retarget.blender.batch.prints import Prints
 from morph_retarget.blender.batch.results import Answer, Result, Status
 from morph_retarget.core.errors import MorphError
@@ -133,7 +135,6 @@ JOB = '[[job]]\nsource = "clips/walk.bvh"\ntarget = "rigs/a.glb"\n'
         (JOB + 'out = "{rig}.glb"\n', 2, ["{target}"]),
         (JOB + 'out = "walk.txt"\n', 2, ["kind", ".glb"]),
         (JOB + 'out = "{action}/walk.glb"\n', 2, ["{action}"]),
-        (JOB + JOB, 5, ["a/walk.glb", "also", "clips/walk.bvh"]),
         (JOB + 'all-actions = true\nout = "all.glb"\n', 2, ["{action}"]),
         ('[[job]]\nsource = "clips/walk.bvh"\ntarget = "rigs/a.glb#Walk"\n', 2, ["armature"]),
     ],
@@ -147,24 +148,62 @@ def test_a_wrong_line_is_named(place: Path, text: str, line: int | None, words: 
     assert "\n" not in message
 
 
-def test_the_second_of_two_jobs_is_the_wrong_one(place: Path) -> None:
-    with pytest.raises(MorphError, match=r"jobs\.toml:7: there is no 'speed'"):
-        _jobs(place, f'{JOB}\n[[job]]\nsource = "clips/fast/run.bvh"\nspeed = 3\ntarget = "rigs/a.glb"\n')
-
-
-def test_results_lie_apart_from_inputs(place: Path) -> None:
-    wish = Wish(("clips/*.bvh",), ("rigs/a.glb",), base=place)
-    with pytest.raises(MorphError, match="where the results go"):
-        plan.plan([wish], place)
-    with pytest.raises(MorphError, match="a file and a folder"):
-        plan.plan([replace(wish, out="x.glb"), replace(wish, out="x.glb/y.glb")], place / "out")
-
-
-def test_a_link_leads_no_result_out_of_the_folder(place: Path) -> None:
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        (JOB.replace("walk", "none"), 7, ["clips/none.bvh", "no such file"]),
+        (JOB.replace("walk", "none*"), 7, ["clips/none*.bvh", "no file"]),
+        (JOB.replace("rigs/a", "rigs/none"), 7, ["rigs/none.glb", "no such file"]),
+        (JOB.replace("clips/walk", "out/old"), 7, ["out/old.bvh", "where the results go"]),
+        (JOB + "speed = 3\n", 9, ["speed", "fps"]),
+        (JOB + "fps = true\n", 9, ["fps", "True"]),
+        (JOB + 'out = "../{source}.glb"\n', 7, ["leads out"]),
+        (JOB + 'out = "{rig}.glb"\n', 7, ["{target}"]),
+        (JOB + 'out = "away/{source}.glb"\n', 7, ["leads out"]),
+        (JOB + 'out = "/{source}.glb"\n', 7, ["root"]),
+        (JOB + 'out = "first.glb"\n', 7, ["first.glb", "would hold clips/walk.bvh on rigs/a.glb and also"]),
+        (JOB + 'out = "first.glb/walk.glb"\n', 2, ["first.glb", "a file and a folder"]),
+        ('[[job]]\nsource = "clips/walk.bvh"\n', 6, ["no target"]),
+    ],
+)
+def test_what_cannot_be_meant_costs_itself_alone(place: Path, text: str, line: int, words: list[str]) -> None:
     (place / "out").mkdir()
     (place / "out" / "away").symlink_to(place / "rigs")
-    with pytest.raises(MorphError, match="leads out"):
-        plan.plan([Wish(("clips/*.bvh",), ("rigs/a.glb",), "away/{source}.glb", base=place)], place / "out")
+    (place / "out" / "old.bvh").write_text("")
+    first = '[[job]]\nsource = "clips/fast/run.bvh"\ntarget = "rigs/a.glb"\nout = "first.glb"\n'
+    last = '[[job]]\nsource = "clips/fast/run.bvh"\ntarget = "rigs/b.glb"\nout = "last.glb"\n'
+    (place / "jobs.toml").write_text(f"{first}\n{text}\n{last}")
+    items = plan.plan(jobs_file.read(place / "jobs.toml"), place / "out")
+    (refused,) = (item for item in items if isinstance(item, Refused))
+    assert refused.error.startswith(f"{place / 'jobs.toml'}:{line}: ")
+    assert all(word in refused.error for word in words), refused.error
+    assert "\n" not in refused.error
+    assert refused.name.startswith("jobs.toml: job 1" if line == 2 else "jobs.toml: job 2")
+    assert len({item.name for item in items}) == len(items) == 3
+    assert items[-1].name == "last.glb"
+
+
+def test_of_several_patterns_the_one_that_matches_nothing_is_refused(place: Path) -> None:
+    text = '[[job]]\nsource = ["none*.bvh", "clips/*.bvh"]\ntarget = ["rigs/*.glb", "rgs/*.glb"]\n'
+    (place / "jobs.toml").write_text(text)
+    items = plan.plan(jobs_file.read(place / "jobs.toml"), place / "out")
+    refused = [item.name for item in items if isinstance(item, Refused)]
+    assert refused == ["jobs.toml: job 1: none*.bvh", "jobs.toml: job 1: rgs/*.glb"]
+    assert [item.name for item in items if isinstance(item, Job)] == ["a/walk.glb", "b/walk.glb"]
+
+
+def test_when_nothing_is_left_the_first_fault_is_told(place: Path) -> None:
+    with pytest.raises(MorphError, match=r"jobs\.toml:2: .*none\*\.bvh.*\(and 1 more\)$"):
+        _jobs(place, JOB.replace("walk", "none*") + JOB.replace("walk", "gone"))
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [("fps = ", "mend 'fps'"), ("source = clips/*", "mend 'source'"), ("fps 3", "mend this line")],
+)
+def test_a_line_that_is_no_toml_is_named_with_its_key(place: Path, row: str, told: str) -> None:
+    with pytest.raises(MorphError, match=rf"jobs\.toml:4: is no TOML .*{told}"):
+        _jobs(place, f"{JOB}{row}\n")
 
 
 def test_every_option_of_a_job_has_a_usual_value() -> None:
@@ -289,5 +328,66 @@ def test_junit_has_a_case_for_each_job_and_is_always_xml(place: Path) -> None:
     results = [Result(job, Answer(status, "bad \x00 <name> \ud800", 1.5)) for status in Status]
     root = Xml.fromstring(junit.document(results, 9.0).encode())
     (suite,) = root
-    assert [child.tag for case in suite for child in case] == ["failure", "skipped", "error", "error"]
-    assert suite.attrib | {"tests": "5", "failures": "1", "errors": "2", "skipped": "1"} == suite.attrib
+    assert [child.tag for case in suite for child in case] == ["failure", "skipped", "error", "error", "error"]
+    assert suite.attrib | {"tests": "6", "failures": "1", "errors": "3", "skipped": "1"} == suite.attrib
+
+
+class _Tags(HTMLParser):
+    """Checks that the tags of a page that need an end have one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag: str, _: object) -> None:
+        if tag not in {"html", "meta", "rect", "path", "tr", "td", "th"}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in {"html", "rect", "path", "tr", "td", "th"}:
+            assert self.open.pop() == tag
+
+
+def test_the_page_tells_what_is_bad_first_and_runs_nothing_that_names_say(place: Path) -> None:
+    (job,) = _jobs(place, JOB)
+    report = REPORT | {"frames": 34, "warnings": ["<script>alert(1)</script>"]}
+    results = [
+        Result(
+            replace(job, name=f"{status}.glb"), Answer(status, "<img src=x>", 1.5, [report], drawings=["<svg></svg>"])
+        )
+        for status in Status
+    ]
+    results.append(Result(Refused("jobs.toml: job 2", "no <such> file"), Answer(Status.FAILED, "no <such> file")))
+    page = summary.page(results, 9.0, "1.0")
+    tags = _Tags()
+    tags.feed(page)
+    assert not tags.open
+    assert "2 of 7 jobs are done" in page
+    assert "<script" not in page
+    assert "<img" not in page
+    assert page.count("<svg>") == 6
+    shown = [page.index(f"<h2>{status.value.capitalize()} (") for status in Status]
+    order = sorted(Status, key=lambda status: shown[list(Status).index(status)])
+    assert order == [Status.FAILED, Status.CRASHED, Status.TIMEOUT, Status.STOPPED, Status.OK, Status.SKIPPED]
+    assert "slide 0.03 m/s" in page
+
+
+def test_a_line_of_the_record_that_does_not_fit_on_the_disk_is_not_there(tmp_path: Path) -> None:
+    limits = pytest.importorskip("resource")
+    with ledger.opened(tmp_path, "", resume=False) as record:
+        record.begun("a", "key", 1)
+        path = tmp_path / ledger.FOLDER / "ledger.jsonl"
+        size = path.stat().st_size
+        before = limits.getrlimit(limits.RLIMIT_FSIZE)
+        old = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        limits.setrlimit(limits.RLIMIT_FSIZE, (size + 5, before[1]))
+        try:
+            with pytest.raises(MorphError, match="free space"):
+                record.begun("b", "key", 1)
+        finally:
+            limits.setrlimit(limits.RLIMIT_FSIZE, before)
+            signal.signal(signal.SIGXFSZ, old)
+        assert path.stat().st_size == size
+        record.begun("c", "key", 1)
+    with ledger.opened(tmp_path, "", resume=True) as record:
+        assert (record.entry("b"), record.entry("c")["state"]) == ({}, ledger.BEGUN)
