@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The developer's entrance: sets up what it needs in `.venv` and runs the demo, tests, checks, benchmarks and builds.
+"""The developer's entrance: sets up what it needs in `.venv` and runs tests, checks, benchmarks, builds and more.
 
 Needs nothing but Python 3.11 or 3.13 with venv and pip.
 """
@@ -37,11 +37,14 @@ def main() -> int:
     bench.add_argument("names", nargs="*", help="which benchmarks; all when none is named")
     bench.add_argument("--json", help="also write the figures to this file")
     bench.add_argument("--blender", default="default", choices=["default", *PYTHONS], help="version to measure with")
+    commands.add_parser("docs", help="write the reference anew from the code, and build the site of docs/")
     commands.add_parser("build", help="validate and build the extension, validate the zip")
+    release = commands.add_parser("release", help="build the extension, check it, install and try it")
+    release.add_argument("version", nargs="?", help="new version, as 1.2.0; none rehearses with the present one")
+    release.add_argument("--blender-program", metavar="PATH", help="also install and try it in this Blender")
     arguments = parser.parse_args()
-    return {"demo": _demo, "test": _test, "check": _check, "bench": _bench, "build": _build}[arguments.command](
-        arguments
-    )
+    run = {"demo": _demo, "test": _test, "check": _check, "bench": _bench, "docs": _docs, "build": _build}
+    return (run | {"release": _release})[arguments.command](arguments)
 
 
 def _demo(arguments: argparse.Namespace) -> int:
@@ -51,7 +54,8 @@ def _demo(arguments: argparse.Namespace) -> int:
 
 def _test(arguments: argparse.Namespace) -> int:
     versions = list(PYTHONS) if arguments.blender == "all" else [_version(arguments.blender)]
-    given = ["-n", "auto", *arguments.pytest]  # as many processes as there are cores
+    # As many processes as there are cores; a file stays with one of them, where what it shares is made once.
+    given = ["-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", *arguments.pytest]
     failed = [v for v in versions if _run([_blender(v), "-m", "pytest", *given], f"Blender {v}")]
     if failed:
         print(f"failed with Blender {', '.join(failed)}", file=sys.stderr)
@@ -69,6 +73,16 @@ def _bench(arguments: argparse.Namespace) -> int:
     return _run([_blender(_version(arguments.blender)), "-m", "tests.bench", *arguments.names, *extra])
 
 
+def _docs(_: argparse.Namespace) -> int:
+    if _run([_blender(_default()), "-m", "tools.make_reference"], "reference"):
+        return 1
+    os.environ["NO_MKDOCS_2_WARNING"] = "1"  # of the theme, about a successor of its program
+    status = _run([_environment("docs", sys.executable), "-m", "mkdocs", "build", "--strict"], "site")
+    if not status:
+        print(f"open {ROOT / 'build' / 'site' / 'index.html'}")
+    return status
+
+
 def _build(_: argparse.Namespace) -> int:
     tool = "import sys, bpy; from bl_pkg.bl_extension_cli import cli_extension_handler as e; sys.exit(e(sys.argv[1:]))"
     python, out = _blender(_default()), ROOT / "dist"
@@ -81,6 +95,28 @@ def _build(_: argparse.Namespace) -> int:
     built = next(out.glob("*.zip"))
     print(f"built {built.relative_to(ROOT)}")
     return _run([python, "-c", tool, "validate", str(built)])
+
+
+def _release(arguments: argparse.Namespace) -> int:
+    from tools.release import ReleaseError, notes, rules, trying  # only this command needs them
+
+    python = _blender(_default())
+    try:
+        with notes.dated(ROOT, arguments.version) as version:
+            if _build(arguments):
+                raise ReleaseError("it cannot be built: see above")
+            built = next((ROOT / "dist").glob("*.zip"))
+            rules.check(built)
+            print("── in an empty profile", flush=True)
+            trying.in_module(python, built)
+            if arguments.blender_program:
+                trying.in_program(arguments.blender_program, built)
+    except ReleaseError as error:
+        print(f"not released, nothing was changed: {error}", file=sys.stderr)
+        return 1
+    next_steps = "commit it, tag it and upload the zip" if arguments.version else "give it a version to release it"
+    print(f"{built.relative_to(ROOT)} of {version} is fit to be released: {next_steps}")
+    return 0
 
 
 def _default() -> str:

@@ -18,7 +18,7 @@ import numpy as np
 from morph_retarget.blender import registration, rig
 from morph_retarget.blender.io.save import Outbox
 
-from . import acting, acts, armatures, bodies, creatures, directed, gait, stage, walks
+from . import acting, acts, armatures, bodies, creatures, directed, gait, stage, tries, walks
 from .bodies import Color
 from .figure import CHIBI, Bone, Build, blender, humanoid, spaced
 from .flesh import Paint
@@ -59,7 +59,10 @@ def main(chosen: Sequence[str] = ()) -> None:
     try:
         with Outbox() as outbox:
             for path, make in made.items():
-                outbox.rigs(SAMPLES / path, make())
+                rigs = make()
+                if path in tries.TRIES:
+                    tries.write(path)
+                outbox.rigs(SAMPLES / path, rigs)
     finally:
         registration.unregister()
     print(*made, sep="\n")

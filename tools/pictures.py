@@ -1,10 +1,5 @@
-"""Pictures of generalized actions on the sample characters, and of those that go over the ground.
+"""Pictures of generalized actions on the sample characters, and of those that go over the ground."""
 
-``python -m tools.pictures`` draws those of the documentation.
-"""
-
-import os
-import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -47,14 +42,6 @@ DIRECTED: Mapping[str, Sequence[float]] = {
 """Frames of the sample of a directed character that are shown, by what it does."""
 VALIDATED = ("Wave by Hand", "Wave by Paw", "Hand to Mouth", "Paw to Mouth", "Pick Up by Hand", "Bow", "Jump", "Dance")
 """The sample actions of the grid that is shown."""
-
-
-def main() -> None:
-    """Draw all pictures of the documentation."""
-    draw_actions()
-    draw_locomotion()
-    draw_validation()
-    draw_directed()
 
 
 def draw_actions() -> None:
@@ -167,9 +154,3 @@ def character(name: str) -> bpy.types.Object:
     """Return a sample character, added to the open file."""
     own = SAMPLES / "characters" / f"{name}.blend"
     return load.add(Request(own if own.exists() else SAMPLES / f"{name}.blend"))[0]
-
-
-if __name__ == "__main__":
-    main()
-    sys.stdout.flush()
-    os._exit(0)  # Blender 4.5 as a module may block its end by a thread of its own

@@ -44,7 +44,7 @@ def contact_sheet(
     """
     scene = bpy.context.scene
     camera = _camera(scene)
-    _engine(scene)
+    engine(scene)
     scene.render.resolution_x, scene.render.resolution_y = tile
     label = 24
     columns = max(len(row.frames) for row in rows)
@@ -78,7 +78,7 @@ def contact_sheet(
     sheet.save(path)
 
 
-def _engine(scene: bpy.types.Scene) -> None:
+def engine(scene: bpy.types.Scene) -> None:
     """Choose Workbench where it works, else Cycles, which needs no graphics driver."""
     scene.render.image_settings.file_format = "PNG"
     scene.view_settings.view_transform = "Standard"
