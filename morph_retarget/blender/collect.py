@@ -35,7 +35,9 @@ def options_of(scene: bpy.types.Scene, target: bpy.types.Object) -> Options:
         RigError: Only selected bones are to be moved, and none is selected.
     """
     only = frozenset(rig.selected_bones(target)) if of_scene(scene).selected_only else frozenset[str]()
-    return replace(of_scene(scene).options(), controls=of_rig(target).controls(), only=only)
+    chosen = of_scene(scene).options()
+    settings = replace(chosen.settings, also=of_rig(target).further())
+    return replace(chosen, settings=settings, controls=of_rig(target).controls(), only=only)
 
 
 def source_of(

@@ -19,7 +19,7 @@ from . import actions, channels, collect, retarget, writing
 from .channels import OFF_REST, Channel
 from .controls import deforming
 from .controls.carrying import Onto
-from .properties import of_rig, of_scene
+from .properties import of_rig
 from .retarget import Source
 from .rig import Rig, pose_of
 
@@ -218,16 +218,20 @@ def _transferred(scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.t
     """Transfer a sampled clip to a target."""
     _go_home(target)
     own, character = collect.target_of(target)
-    if of_scene(scene).options().onto is not Onto.NONE and deforming.body_of(own, character) is not None:
+    options = collect.options_of(scene, target)
+    if options.onto is not Onto.NONE and deforming.body_of(own, character) is not None:
         raise RigError(
             f"armature {target.name!r} is posed by controls, which Live does not move: press Retarget, "
             "or let it write on bones"
         )
     ground = collect.ground_of(scene, character)
     given = collect.contacts_of(source, collect.actions_of(source)[0][0])
-    _, result = retarget.transfer(clip, own, character, of_scene(scene).options(), given, ground)
+    _, result = retarget.transfer(clip, own, character, options, given, ground)
     found = writing.channels_of(own, character, result)
     body = channels.body_bones(own, result.bones)
+    if options.only:
+        found = [channel for channel in found if channel.bone in options.only]
+        body = [name for name in body if name in options.only]
     playing, its_slot = actions.assigned(target)
     animated = {path for path, _ in actions.curves(playing, its_slot)} if playing and its_slot else set[str]()
     frames = clip.clip.frames

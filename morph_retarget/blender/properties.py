@@ -86,6 +86,12 @@ class MORPHRETARGET_PG_joint(bpy.types.PropertyGroup):
         update=_changed,
         override=_OVERRIDABLE,
     )
+    also: StringProperty(
+        name="Further Bones",
+        description="Further bones that turn as this joint of the source does, separated by commas",
+        update=_changed,
+        override=_OVERRIDABLE,
+    )
     confidence: FloatProperty(name="Confidence", description="How sure the match is", min=0.0, max=1.0)
     by: StringProperty(name="Found By", description="What decided: name, topology, geometry, user or preset")
 
@@ -136,14 +142,14 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
     def show(self, character: Character) -> None:
         """Fill the list with what was found; all joints are listed, those without a bone too."""
         given = {joint.name: joint.by for joint in self.joints if joint.by in BY_USER}
-        controls = self.controls()
+        controls, further = self.controls(), {joint.name: joint.also for joint in self.joints}
         self.joints.clear()
         for name in PARENTS:
             match = character.joints.get(name) or JointMatch("", 0.0, "")
             joint = self.joints.add()
             joint.name, joint.bone = name, match.bone
             joint.confidence, joint.by = match.confidence, given.get(name, match.by)
-            joint.control = controls.get(name, "")
+            joint.control, joint.also = controls.get(name, ""), further.get(name, "")
         self.active_joint = min(self.active_joint, len(self.joints) - 1)
         self.kind = "Humanoid" if character.humanoid else f"Creature, {len(character.legs)} legs"
 
@@ -158,6 +164,11 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
     def controls(self) -> dict[str, str]:
         """Return the controls that the user has named, joint to bone."""
         return {joint.name: joint.control for joint in self.joints if joint.control}
+
+    def further(self) -> tuple[tuple[str, str], ...]:
+        """Return joints with the further bones that the user lets follow them."""
+        named = [(joint.name, bone.strip()) for joint in self.joints for bone in joint.also.split(",")]
+        return tuple((joint, bone) for joint, bone in named if bone)
 
     def assign(self, name: str, bone: str, by: str = "user") -> None:
         """Give a joint a bone; a joint that had the bone before loses it.

@@ -188,7 +188,8 @@ def in_steps(
     start = time.perf_counter()
     whole = target
     if options.onto is not Onto.NONE:
-        target, character = deforming.body_of(target, character) or (target, character)
+        further = [bone for _, bone in options.settings.also]
+        target, character = deforming.body_of(target, character, further) or (target, character)
     plan, result = transfer(source, target, character, options, given, ground)
     times["transfer"] = time.perf_counter() - start
     start = time.perf_counter()

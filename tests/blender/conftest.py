@@ -7,7 +7,7 @@ import pytest
 
 from morph_retarget.blender.retarget import Source
 from morph_retarget.core.arrays import Array
-from tests.blender import command, scenes
+from tests.blender import command, control_rigs, scenes
 from tests.blender.command import Command, Refused
 from tests.blender.files import Files
 from tools.figure import blender
@@ -29,6 +29,12 @@ def cli(capfd: pytest.CaptureFixture[str]) -> Command:
 def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
     """Return clips and rigs as files; tests read them and leave them as they are."""
     return Files.make(tmp_path_factory.mktemp("files"))
+
+
+@pytest.fixture(scope="session")
+def rigify_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a file with a person that Rigify has generated; its armature is called "rig"."""
+    return control_rigs.rigify(tmp_path_factory.mktemp("rigify") / "rigify.blend")
 
 
 @pytest.fixture(scope="session")

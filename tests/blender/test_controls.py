@@ -21,11 +21,6 @@ from tools.figure import blender
 FRAMES = scenes.FRAMES[::6]
 
 
-@pytest.fixture(scope="module")
-def rigify_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return control_rigs.rigify(tmp_path_factory.mktemp("rigify") / "rigify.blend")
-
-
 @pytest.fixture
 def rigify(walk: Source, rigify_file: Path) -> bpy.types.Object:  # noqa: ARG001 - it must be read before
     bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
@@ -217,6 +212,15 @@ def test_families_are_known_by_their_names_and_others_by_their_constraints(
     assert outcome.report["controls"]["family"] == family
     assert off(ob, outcome).max() < 0.01
     assert away(ob, outcome) < 1e-4
+
+
+def test_bones_that_share_a_turn_are_no_controls(walk: Source) -> None:
+    ob = scenes.sprout()
+    for side in ("L", "R"):
+        for part, other, influence in (("LowerArm", "Hand", 0.5), ("UpperArm", "Shoulder", 1.0)):
+            twist = ob.pose.bones[f"{part}.{side}"].constraints.new("COPY_ROTATION")
+            twist.target, twist.subtarget, twist.influence = ob, f"{other}.{side}", influence
+    assert "controls" not in scenes.give(walk, ob).report
 
 
 def test_controls_can_be_named(walk: Source) -> None:

@@ -12,7 +12,7 @@ from morph_retarget.blender.properties import of_scene
 from morph_retarget.blender.retarget import Options, Source
 from morph_retarget.core import quat
 from morph_retarget.core.errors import RigError
-from tests.blender import control_rigs, scenes, window
+from tests.blender import scenes, window
 
 ARM = ("UpperArm.L", "LowerArm.L", "Hand.L")
 
@@ -87,8 +87,8 @@ def test_chosen_bones_move_and_all_others_keep_their_animation(walk: Source) -> 
         scenes.give(walk, ob, Options(only=frozenset(b.name for b in ob.pose.bones if "Thumb" in b.name)))
 
 
-def test_of_a_rig_with_controls_a_chosen_arm_moves_alone(walk: Source, tmp_path: Path) -> None:
-    bpy.ops.wm.open_mainfile(filepath=str(control_rigs.rigify(tmp_path / "rigify.blend")))
+def test_of_a_rig_with_controls_a_chosen_arm_moves_alone(walk: Source, rigify_file: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
     ob = scenes.only_armature()
     arm = {"upper_arm_fk.L", "forearm_fk.L", "hand_fk.L"}
     scenes.give(walk, ob, Options(only=frozenset({"DEF-upper_arm.L", "forearm_fk.L", "DEF-hand.L"})))

@@ -9,7 +9,7 @@ from morph_retarget.blender import actions
 from morph_retarget.blender.laying import Lay
 from morph_retarget.blender.retarget import Options, Source
 from morph_retarget.core.errors import RigError
-from tests.blender import control_rigs, scenes, window
+from tests.blender import scenes, window
 from tests.blender.command import Command
 from tests.blender.files import Files
 
@@ -51,10 +51,8 @@ def test_a_library_override_is_given_motion_that_is_saved_with_its_file(
         assert scenes.apart(scenes.played(again), scenes.played_plainly(walk)) < 2e-4
 
 
-def test_an_override_of_a_rig_with_controls_gets_them(walk: Source, tmp_path: Path) -> None:
-    path = control_rigs.rigify(tmp_path / "rigify.blend")
-    scenes.empty()
-    ob = link(path, "rig").override_create(remap_local_usages=True)
+def test_an_override_of_a_rig_with_controls_gets_them(walk: Source, rigify_file: Path) -> None:
+    ob = link(rigify_file, "rig").override_create(remap_local_usages=True)
     ob.override_library.is_system_override = False
     outcome = scenes.give(walk, ob)
     assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
@@ -96,12 +94,10 @@ def test_of_several_armatures_in_a_file_each_is_given_its_own_motion(walk: Sourc
 
 
 def test_the_command_line_writes_onto_controls_mirrors_and_stashes(
-    cli: Command, files: Files, out: Path, tmp_path: Path
+    cli: Command, files: Files, out: Path, rigify_file: Path
 ) -> None:
-    path = control_rigs.rigify(tmp_path / "rigify.blend")
-    said = cli(
-        "retarget", files.clip("blend"), path, "-o", out / "o.blend", "--controls", "ik", "--mirror", "--lay", "stash"
-    )
+    clip = files.clip("blend")
+    said = cli("retarget", clip, rigify_file, "-o", out / "o.blend", "--controls", "ik", "--mirror", "--lay", "stash")
     assert said.status == 0, said.errors
     bpy.ops.wm.open_mainfile(filepath=str(out / "o.blend"))
     ob = scenes.only_armature()
@@ -118,10 +114,9 @@ def test_a_named_bone_that_is_not_there_is_refused(cli: Command, files: Files, o
     assert "no bone 'Nobody'" in said.errors[-1]
 
 
-def test_live_says_that_it_cannot_show_controls(tmp_path: Path) -> None:
-    path = control_rigs.rigify(tmp_path / "rigify.blend")
+def test_live_says_that_it_cannot_show_controls(rigify_file: Path) -> None:
     with window.registered():
-        bpy.ops.wm.open_mainfile(filepath=str(path))
+        bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
         ob = scenes.only_armature()
         settings = bpy.context.scene.morph_retarget
         settings.source, settings.target = scenes.walker(), ob

@@ -53,3 +53,15 @@ def test_presets_and_plain_tables_are_maps() -> None:
 def test_what_is_no_map_is_refused(text: str, message: str) -> None:
     with pytest.raises(MappingError, match=message):
         map_file.parse(text, "m.json")
+
+
+def test_controls_come_through_a_preset_and_say_nothing_of_bones() -> None:
+    joints, named = {"hips": "DEF-spine", "head": "DEF-head"}, {"hips": "torso"}
+    text = map_file.preset(joints, named)
+    assert map_file.parse(text, "preset") == joints
+    assert map_file.parse_controls(text, "preset") == named
+    alone = '{"joints": {"hips": {"control": "torso"}}}'
+    assert map_file.parse(alone, "m.json") == {}
+    assert map_file.parse_controls(alone, "m.json") == named
+    with pytest.raises(MappingError, match=r"m.json: joint hips has the control 3"):
+        map_file.parse_controls('{"hips": {"control": 3}}', "m.json")

@@ -5,13 +5,14 @@ import pytest
 
 from morph_retarget.core import pipeline, quat
 from morph_retarget.core.character.analysis import analyze
+from morph_retarget.core.errors import MappingError
 from morph_retarget.core.mocap import mirroring
 from morph_retarget.core.mocap.motion import SourceMotion
 from morph_retarget.core.mocap.plan import Plan, RetargetSettings, prepare
 from morph_retarget.core.skeleton import Pose, Skeleton
 from tests.skeletons import skeleton_of
 from tools import gait
-from tools.figure import CHIBI, Build, humanoid
+from tools.figure import CHIBI, Bone, Build, humanoid
 
 FPS = 30.0
 
@@ -41,6 +42,24 @@ def test_links_have_partners_on_the_other_side() -> None:
     ):
         assert mirroring.other_side(name) == other
         assert mirroring.other_side(other) == name
+
+
+def test_further_bones_turn_as_a_joint_does_and_wrong_ones_are_refused(walker: Skeleton, walk: Pose) -> None:
+    claw = Bone("Claw", "rightHand", (-0.5, 0.0, 0.9), (-0.6, 0.0, 0.8))
+    target = analyze(skeleton_of([*humanoid(height=1.1), claw]))
+    plan = prepare(analyze(walker), target, RetargetSettings(also=(("leftHand", "Claw"),)))
+    motion = pipeline.evaluate(plan, walk, 1.0 / FPS).motion
+    own, joint = plan.links.index("leftHand+Claw"), plan.links.index("leftHand")
+    relative = quat.multiply(motion.turns[:, own], quat.conjugate(motion.turns[:, joint]))
+    assert quat.angle_between(relative, relative[:1]).max() < 1e-6
+    for also, message in (
+        (("leftPaw", "Claw"), "'leftPaw', which is no joint"),
+        (("leftHand", "Nobody"), "the target has no such bone"),
+        (("jaw", "Claw"), "which the source does not have"),
+        (("leftHand", "rightHand"), "but is rightHand already"),
+    ):
+        with pytest.raises(MappingError, match=message):
+            prepare(analyze(walker), target, RetargetSettings(also=(also,)))
 
 
 def test_mirrored_twice_is_the_motion_again(walker: Skeleton, walk: Pose) -> None:

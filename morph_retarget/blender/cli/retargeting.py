@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 
 from ...core.character.analysis import Overrides
-from ...core.errors import FileError, MotionError, listed
+from ...core.errors import FileError, MappingError, MotionError, listed
 from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
@@ -73,6 +73,12 @@ def _add_transfer_options(group: argparse._ArgumentGroup) -> None:  # pyright: i
     group.add_argument("--ground", metavar="OBJECT", help="mesh in the target's file that the feet follow")
     group.add_argument(
         "--root", choices=[r.value for r in RootMotion], default="hips", help="what carries the root motion"
+    )
+    group.add_argument(
+        "--also",
+        metavar="JOINT=BONE",
+        default="",
+        help="further bones of the target that turn as a joint of the source does, as 'leftHand=Claw.L,head=Hat'",
     )
     group.add_argument("--mirror", action="store_true", help="change left and right over")
     group.add_argument(
@@ -251,6 +257,7 @@ def options_of(arguments: argparse.Namespace) -> Options:
         root_motion=carrier,
         scale=arguments.scale or 0.0,
         mirror=arguments.mirror,
+        also=_pairs(arguments.also),
         feet=replace(FeetSettings(), lock=arguments.lock),
     )
     return Options(
@@ -269,6 +276,21 @@ def options_of(arguments: argparse.Namespace) -> Options:
 
 def _read_map(path: str | None) -> dict[str, str]:
     return {} if path is None else presets.load(Path(path))
+
+
+def _pairs(text: str) -> tuple[tuple[str, str], ...]:
+    """Return what ``--also`` names.
+
+    Raises:
+        MappingError: A part of it is no pair.
+    """
+    out: list[tuple[str, str]] = []
+    for part in filter(None, (part.strip() for part in text.split(","))):
+        joint, equals, bone = part.partition("=")
+        if not (joint and equals and bone):
+            raise MappingError(f"--also {part!r}: name a joint and a bone, as leftHand=Claw.L")
+        out.append((joint.strip(), bone.strip()))
+    return tuple(out)
 
 
 def _read_controls(path: str | None) -> dict[str, str]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...core.arrays import Array, Indices
 from ...core.character.character import Character
 from ...core.character.control_names import Limb
-from ...core.character.controls import Controls, Setting, Wanted, joints_without, read
+from ...core.character.controls import FOUND, Controls, Setting, Wanted, joints_without, read
 from ...core.errors import RigError, listed
 from ...core.mocap import carrying
 from ...core.mocap.carrying import Handle, Handling, Seen, Values
@@ -166,12 +166,14 @@ def carry(
     target = task.target
     if onto is Onto.NONE or (onto is Onto.AUTO and not task.given and not reading.has_constraints(target.object)):
         return None
+    # Where few bones copy others, as twist bones do, and names tell of no controls, there are none.
+    is_controlled = len(task.character.skeleton) < len(target.skeleton)
     with evaluating.stage(target, scene) as stage:
         found = controls_of(stage, task)
-        if found is not None:
+        if found is not None and (onto is not Onto.AUTO or task.given or is_controlled or found.family != FOUND):
             work = Work(task, found, onto, _settings(task, found, onto))
             return (yield from _carry(stage, work, result, times))
-    if onto is Onto.AUTO and len(task.character.skeleton) == len(target.skeleton):
+    if onto is Onto.AUTO and not is_controlled:
         return None
     raise RigError(
         f"rig {target.name!r} has no controls that could be found: name them in the joint list, or write on its bones"

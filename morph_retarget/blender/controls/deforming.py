@@ -1,6 +1,6 @@
 """What a motion is found for on a rig with controls: its deform bones, as a rig of their own."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import bpy
@@ -8,17 +8,18 @@ import bpy
 from ...core.character import deform_tree
 from ...core.character.analysis import Overrides, analyze
 from ...core.character.character import Character
-from ...core.character.controls import COPYING, BoneFacts, Wanted, without_names
+from ...core.character.controls import COPYING, MOST, BoneFacts, Wanted, without_names
 from ..rig import Rig, pose_of
 from . import reading
 
 
-def body_of(target: Rig, character: Character) -> tuple[Rig, Character] | None:
+def body_of(target: Rig, character: Character, keep: Iterable[str] = ()) -> tuple[Rig, Character] | None:
     """Return the deform bones of a rig with controls, and what they are; None for a rig that is posed by its bones.
 
     Args:
         target: The whole rig.
         character: What it is as a whole: its directions and what the user has said hold for the body too.
+        keep: Further bones that belong to the body.
     """
     bones = pose_of(target.object).bones
     deform = {bone.name for bone in bones if bone.bone.use_deform}
@@ -26,7 +27,7 @@ def body_of(target: Rig, character: Character) -> tuple[Rig, Character] | None:
     if not deform_tree.is_controlled(deform, copies):
         return None
     given = {joint: match.bone for joint, match in character.joints.items() if match.by == "user"}
-    deform |= set(given.values())
+    deform |= {*given.values(), *(name for name in keep if name in target.skeleton.index)}
     frame, dropped = character.frame, set[str]()
     while True:
         skeleton, rows = deform_tree.within(target.skeleton, deform - dropped, copies)
@@ -55,5 +56,5 @@ def _segments(ob: bpy.types.Object, found: Character) -> set[str]:
 
 def _copied(ob: bpy.types.Object, bone: bpy.types.PoseBone) -> Sequence[str]:
     """Return the bones of the same armature that a bone copies."""
-    found = [constraint for constraint in bone.constraints if constraint.type in COPYING and not constraint.mute]
+    found = [c for c in bone.constraints if c.type in COPYING and not c.mute and c.influence >= MOST]
     return [name for constraint in found for name in reading.targets(ob, constraint)]

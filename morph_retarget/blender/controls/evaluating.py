@@ -90,7 +90,8 @@ def stage(rig: Rig, scene: bpy.types.Scene) -> Iterator[Stage]:
     data = ob.animation_data
     weight = (data.action_influence, data.action_blend_type) if data else None
     own = bpy.data.scenes.new(NAME)
-    stages.append(own.session_uid)
+    number = own.session_uid
+    stages.append(number)
     try:
         own.render.fps, own.render.fps_base = scene.render.fps, scene.render.fps_base
         own.collection.objects.link(ob)
@@ -105,4 +106,4 @@ def stage(rig: Rig, scene: bpy.types.Scene) -> Iterator[Stage]:
         if weight is not None and ob.animation_data is not None:
             ob.animation_data.action_influence, ob.animation_data.action_blend_type = weight
         bpy.data.scenes.remove(own)
-        stages.remove(stages[-1])
+        stages.remove(number)

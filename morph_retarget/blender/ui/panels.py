@@ -131,6 +131,7 @@ class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
         if settings.shown == "TARGET" and 0 <= rig.active_joint < len(rig.joints):
             joint = rig.joints[rig.active_joint]
             column.prop_search(joint, "control", armature_of(ob), "bones", icon="BONE_DATA")
+            column.prop(joint, "also")
         column.prop(rig, "up")
         column.prop(rig, "forward")
 

@@ -18,6 +18,8 @@ from .joints import PARENTS
 CARRYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF", "DAMPED_TRACK", "STRETCH_TO"))
 """Constraints by which a bone turns as another one does."""
 COPYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF"))
+MOST = 0.9
+"""A bone that follows another by less than this share only shares its turn, as twist bones do."""
 _WHOLE = frozenset(("COPY_TRANSFORMS", "ARMATURE"))
 DEPTH = 6
 """So many constraints a control may be away from the bone that follows it."""
@@ -42,6 +44,11 @@ class Follows:
     """These two values."""
     local: bool = False
     """Whether it adds to what carries the bone already."""
+
+    @property
+    def leads(self) -> bool:
+        """Whether the bone turns with what it follows, at least where that is switched on."""
+        return self.kind in COPYING and max(self.counts) >= MOST
 
     @property
     def decides(self) -> bool:
@@ -215,7 +222,7 @@ def _named(rig: Mapping[str, BoneFacts], family: Family, wanted: Wanted) -> dict
 
 def _followed(rig: Mapping[str, BoneFacts], bone: str) -> str | None:
     """Return what a deform bone follows in the end: a control, or itself where it follows nothing; None if unclear."""
-    if not any(f.kind in COPYING for f in rig[bone].follows):
+    if not any(f.leads for f in rig[bone].follows):
         return bone
     free = [
         name
@@ -239,7 +246,7 @@ def _upstream(rig: Mapping[str, BoneFacts], bone: str) -> Iterator[str]:
 
 def _led_by(bone: BoneFacts) -> list[str]:
     """Return what a bone copies; for a mechanism that copies nothing, what holds it."""
-    copied = [b for f in bone.follows if f.kind in COPYING for b in f.bones]
+    copied = [b for f in bone.follows if f.leads for b in f.bones]
     held = bone.parent is not None and not (copied or bone.shaped or bone.deform)
     return [bone.parent] if held and bone.parent is not None else copied
 

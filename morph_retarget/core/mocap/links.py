@@ -202,11 +202,21 @@ def _between(source: Sequence[tuple[float, int]], place: float) -> tuple[tuple[i
     return (source[-1][1], source[-1][1]), 0.0
 
 
-def link(source: Character, target: Character) -> Links:
+Also = Sequence[tuple[str, str]]
+"""Canonical joints of the source, each with a further bone of the target that turns as it does."""
+
+
+def link(source: Character, target: Character, also: Also = ()) -> Links:
     """Return how the bones of ``target`` follow those of ``source``.
 
+    Args:
+        source: The body that moves.
+        target: The body that shall move likewise.
+        also: Further bones of the target.
+
     Raises:
-        MappingError: One of the two has no hips, or they share nothing else.
+        MappingError: One of the two has no hips, or they share nothing else; or a further bone does not exist, has a
+            joint already, or follows a joint that the source does not have.
     """
     for character, role in ((source, "source"), (target, "target")):
         if character.bone("hips") is None:
@@ -216,6 +226,8 @@ def link(source: Character, target: Character) -> Links:
     chest = _add_trunk(builder)
     _add_limbs(builder, chest)
     _add_tails(builder)
+    for joint, bone in also:
+        _add_further(builder, joint, bone)
     # The hips carry legs and spine alike: no one segment is theirs.
     builder.points_to("hips", None)
     if len(builder.entries) < 3:
@@ -334,6 +346,33 @@ def _add_fingers(builder: _Builder, side: str) -> None:
                 builder.points_to(last, None)
     knuckle = next((side + k for k in _KNUCKLES if side + k in builder.entries), None)
     builder.points_to(hand, knuckle)
+
+
+def _add_further(builder: _Builder, joint: str, bone: str) -> None:
+    """Let a further bone of the target turn as a joint of the source does."""
+    if joint not in PARENTS:
+        raise MappingError(
+            f"bone {bone!r} is to follow {joint!r}, which is no joint: use VRM 1.0 names such as leftHand"
+        )
+    here, there = builder.source.bone(joint), builder.target.skeleton.index.get(bone)
+    if there is None:
+        raise MappingError(f"bone {bone!r} is to follow {joint}, but the target has no such bone: correct its name")
+    if here is None:
+        raise MappingError(f"bone {bone!r} is to follow {joint}, which the source does not have: map it by hand")
+    by_bone = {entry.target: name for name, entry in builder.entries.items()}
+    if there in by_bone:
+        raise MappingError(f"bone {bone!r} is to follow {joint}, but is {by_bone[there]} already: take it off there")
+    above = next((by_bone[b] for b in builder.target.skeleton.tree.ancestors[there] if b in by_bone), "hips")
+    name = further_name(joint, bone)
+    builder.entries[name] = _Entry(there, (here, here), 0.0, above)
+    # A joint's own segment does not end at what hangs on it besides.
+    if "+" in above and builder.entries[above].after is None:
+        builder.entries[above].after = name
+
+
+def further_name(joint: str, bone: str) -> str:
+    """Return what the link of a further bone is called: "leftHand+Claw.L"."""
+    return f"{joint}+{bone}"
 
 
 def _spread(bones: Sequence[int]) -> list[tuple[float, int]]:

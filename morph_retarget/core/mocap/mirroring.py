@@ -28,7 +28,10 @@ def other_side(name: str) -> str:
 def partners(links: Links) -> Indices:
     """Return for each link that of the other side, or itself where there is none, shape (link,)."""
     place = {name: i for i, name in enumerate(links.names)}
-    return np.array([place.get(other_side(name), i) for i, name in enumerate(links.names)], dtype=np.intp)
+    # A further bone follows the joint of the other side itself.
+    sides = [(other_side(name), other_side(name.partition("+")[0])) for name in links.names]
+    found = [place.get(other, place.get(joint, i)) for i, (other, joint) in enumerate(sides)]
+    return np.array(found, dtype=np.intp)
 
 
 def mirrored(source: SourceMotion, links: Links, post: Array) -> SourceMotion:

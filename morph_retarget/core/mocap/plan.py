@@ -43,6 +43,8 @@ class RetargetSettings:
     """Target's travel over the source's; 0 takes the ratio of leg lengths."""
     mirror: bool = False
     """Change left and right over."""
+    also: tuple[tuple[str, str], ...] = ()
+    """Canonical joints of the source, each with a further bone of the target that turns as it does."""
     contacts: ContactSettings = field(default_factory=ContactSettings)
     feet: FeetSettings = field(default_factory=FeetSettings)
     solver: JacobianSettings = field(default_factory=JacobianSettings)
@@ -118,7 +120,7 @@ def prepare(
     source_reference = source_reference or ReferencePose.rest(source)
     target_reference = target_reference or ReferencePose.rest(target)
     _check_legs(source, target)
-    links = link(source, target)
+    links = link(source, target, settings.also)
     ours = target.local_to_character
     target_rest = ours.points(target.skeleton.rest_positions[links.target])
     people = source.humanoid and target.humanoid
