@@ -6,7 +6,7 @@
 import ast
 import os
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -56,20 +56,20 @@ def registered() -> Iterator[str]:
     for cls in registration.CLASSES:
         if hasattr(cls, "bl_label"):
             yield cls.bl_label
-        base = next(base for base in BASES if issubclass(cls, base))
-        known = set(base.bl_rna.properties.keys())
-        for prop in _settings(cls):
-            if prop.identifier not in known and not prop.is_hidden:
+        for prop in settings(cls):
+            if not prop.is_hidden:
                 yield prop.name
                 yield from (item.name for item in prop.enum_items) if prop.type == "ENUM" else ()
 
 
-def _settings(cls: type) -> Iterable[bpy.types.Property]:
-    """Return what can be set on a registered class, as Blender knows it."""
+def settings(cls: type) -> list[bpy.types.Property]:
+    """Return what can be set on a registered class, as Blender knows it, without what all of its kind have."""
+    found: bpy.types.bpy_prop_collection = cls.bl_rna.properties
     if issubclass(cls, bpy.types.Operator):
         module, name = cls.bl_idname.split(".")
-        return getattr(getattr(bpy.ops, module), name).get_rna_type().properties
-    return cls.bl_rna.properties
+        found = getattr(getattr(bpy.ops, module), name).get_rna_type().properties
+    known = next(base for base in BASES if issubclass(cls, base)).bl_rna.properties.keys()
+    return [prop for prop in found if prop.identifier not in known]
 
 
 def written() -> Iterator[str]:

@@ -8,6 +8,7 @@ import bpy
 
 from morph_retarget.blender import handlers, properties, registration
 from tests.blender import window
+from tools import messages
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -38,6 +39,37 @@ def test_each_operator_and_property_says_what_it_does() -> None:
                 if prop.identifier not in {"rna_type", "name"}:
                     assert prop.description, (cls, prop.identifier)
                     assert not prop.description.endswith("."), (cls, prop.identifier)
+
+
+def test_settings_and_choices_of_operators_and_properties_say_what_they_mean() -> None:
+    with window.registered():
+        for cls in registration.CLASSES:
+            if issubclass(cls, bpy.types.Operator | bpy.types.PropertyGroup):
+                for prop in messages.settings(cls):
+                    choices = prop.enum_items if prop.type == "ENUM" else ()
+                    for shown in () if prop.is_hidden else (prop, *choices):
+                        assert shown.description, (cls, shown.identifier)
+                        assert not shown.description.endswith("."), (cls, shown.identifier)
+
+
+def test_labels_are_in_title_case() -> None:
+    small = {"a", "above", "and", "as", "by", "for", "from", "in", "of", "on", "the", "to", "with"}
+    with window.registered():
+        for label in messages.registered():
+            words = label.split()
+            assert words, "a label is empty"
+            assert not words[0][0].islower(), label
+            assert not [word for word in words if word[0].islower() and word not in small], label
+
+
+def test_all_operators_are_logged_and_all_that_change_the_file_can_be_undone() -> None:
+    write_files_alone = {"save_preset", "delete_preset", "save_channels", "delete_channels"}
+    write_files_alone |= {"export_map", "export_commands", "save_library"}
+    with window.registered():
+        for cls in registration.CLASSES:
+            if issubclass(cls, bpy.types.Operator):
+                undone = set() if cls.bl_idname.split(".")[1] in write_files_alone else {"UNDO"}
+                assert {"REGISTER"} | undone == cls.bl_options, cls
 
 
 def test_every_operator_can_be_found_by_its_name() -> None:

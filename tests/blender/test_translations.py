@@ -20,8 +20,9 @@ def texts() -> set[str]:
 def test_every_text_is_translated_and_none_is_left_over(texts: set[str], code: str) -> None:
     told = translations.LANGUAGES[code].keys()
     what = f"in the table of {code}; `python -m tools.messages` prints all"
-    assert not texts - told, f"missing {what}"
-    assert not told - texts, f"stale {what}"
+    missing, stale = sorted(texts - told), sorted(told - texts)
+    assert not missing, f"missing {what}"
+    assert not stale, f"stale {what}"
 
 
 @pytest.mark.parametrize("code", translations.LANGUAGES)

@@ -21,6 +21,7 @@ class MORPHRETARGET_OT_save_channels(bpy.types.Operator):
     bl_idname = "morph_retarget.save_channels"
     bl_label = "Save Channel Preset"
     bl_description = "Keep the channels of a generalized action for other actions and for Generalize Action"
+    bl_options = {"REGISTER"}
 
     action: _ACTION
     name: StringProperty(name="Name", description="Name of the preset", default="My Channels")
@@ -66,6 +67,7 @@ class MORPHRETARGET_OT_delete_channels(bpy.types.Operator):
     bl_idname = "morph_retarget.delete_channels"
     bl_label = "Delete Channel Preset"
     bl_description = "Delete this preset of your own for good; one that comes with the extension cannot be deleted"
+    bl_options = {"REGISTER"}
 
     name: _NAME
 

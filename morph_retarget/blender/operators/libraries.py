@@ -130,6 +130,7 @@ class MORPHRETARGET_OT_save_library(bpy.types.Operator, ExportHelper):
     bl_idname = "morph_retarget.save_library"
     bl_label = "Save Library"
     bl_description = "Write the motions of the character to a file: its library, or the whole starter library"
+    bl_options = {"REGISTER"}
 
     filename_ext = library_file.SUFFIX
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})

@@ -44,6 +44,7 @@ class MORPHRETARGET_OT_save_preset(bpy.types.Operator):
     bl_idname = "morph_retarget.save_preset"
     bl_label = "Save Joint Preset"
     bl_description = "Keep the shown rig's joints for other rigs with the same bones"
+    bl_options = {"REGISTER"}
 
     rig: _RIG
     name: StringProperty(name="Name", description="Name of the preset", default="My Rig")
@@ -87,6 +88,7 @@ class MORPHRETARGET_OT_delete_preset(bpy.types.Operator):
     bl_idname = "morph_retarget.delete_preset"
     bl_label = "Delete Joint Preset"
     bl_description = "Delete this preset for good"
+    bl_options = {"REGISTER"}
 
     name: StringProperty(name="Name", description="Name of the preset")
 
@@ -104,6 +106,7 @@ class MORPHRETARGET_OT_export_map(bpy.types.Operator, ExportHelper):
     bl_idname = "morph_retarget.export_map"
     bl_label = "Export Joint Map"
     bl_description = "Write the shown rig's joints to a JSON file, which the command line reads too"
+    bl_options = {"REGISTER"}
 
     filename_ext = ".json"
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})

@@ -52,6 +52,7 @@ class MORPHRETARGET_OT_export_commands(bpy.types.Operator, ExportHelper):
     bl_idname = "morph_retarget.export_commands"
     bl_label = "Export Commands"
     bl_description = "Write the commands of the list as a script (TOML)"
+    bl_options = {"REGISTER"}
 
     filename_ext = scripts.TABLES
     filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})

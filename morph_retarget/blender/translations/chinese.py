@@ -141,6 +141,7 @@ MESSAGES: dict[str, str] = {
     "Front/Back": "前/后",
     "Frontmost": "最前",
     "Full Reach": "完全伸展",
+    "Further Bones": "其他骨骼",
     "Further Styles": "附加样式",
     "Gallop": "奔驰",
     "Generalize Action": "泛化动作",

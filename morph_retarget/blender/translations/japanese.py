@@ -141,6 +141,7 @@ MESSAGES: dict[str, str] = {
     "Front/Back": "前/後",
     "Frontmost": "最前部",
     "Full Reach": "最大到達",
+    "Further Bones": "他のボーン",
     "Further Styles": "追加スタイル",
     "Gallop": "ギャロップ",
     "Generalize Action": "アクションを汎用化",
