@@ -41,7 +41,7 @@ def main() -> int:
     commands.add_parser("build", help="validate and build the extension, validate the zip")
     release = commands.add_parser("release", help="build the extension, check it, install and try it")
     release.add_argument("version", nargs="?", help="new version, as 1.2.0; none rehearses with the present one")
-    release.add_argument("--blender-program", metavar="PATH", help="also install and try it in this Blender")
+    release.add_argument("--blender-program", metavar="COMMAND", help="also install and try it in this Blender")
     arguments = parser.parse_args()
     run = {"demo": _demo, "test": _test, "check": _check, "bench": _bench, "docs": _docs, "build": _build}
     return (run | {"release": _release})[arguments.command](arguments)

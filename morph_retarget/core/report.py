@@ -20,6 +20,14 @@ FIELDS: Mapping[str, str] = {
     "warnings": "what you should know",
 }
 """Meaning of what `describe` returns."""
+CONTROLS_FIELDS: Mapping[str, str] = {
+    "family": "of the rig, as it was found",
+    "onto": "`fk` or `ik`",
+    "controls": "how many were keyed",
+    "passes": "how often Blender evaluated the whole clip",
+    "deform_error_deg": "angle of the deform bones against what was meant: `mean`, `max`",
+}
+"""Meaning of what stands under ``controls`` where motion went onto controls."""
 
 
 def describe(

@@ -25,6 +25,8 @@ def reports() -> str:
         _INTRODUCTION.strip(),
         "## `retarget --report`\n\nA list with one entry for each pair:",
         _fields(report.FIELDS),
+        "For rigs with controls there is `controls` as well, which has:",
+        _fields(report.CONTROLS_FIELDS),
         "## `play --report`\n\nA list with one entry for each character:",
         _fields(measure.FIELDS),
         "## `batch`: `report.json`",
