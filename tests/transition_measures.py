@@ -1,12 +1,13 @@
 """How transitions between motion models are measured: how fast joints turn in them, and how far standing feet slide."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
+from morph_retarget.core.clips import posing
 from morph_retarget.core.clips.character_model import RATE
 from morph_retarget.core.clips.commands.command import Command, Verb
 from morph_retarget.core.clips.models.controller import controlled
@@ -15,6 +16,9 @@ from morph_retarget.core.clips.models.motion_model import MotionModel
 from morph_retarget.core.clips.models.performance import Performance
 from morph_retarget.core.clips.motions.library import Library
 from morph_retarget.core.clips.spots import STANDS, in_world
+from morph_retarget.core.directing import director
+from morph_retarget.core.directing.director import Directions
+from morph_retarget.core.directing.moved import Moved
 
 HUMAN = 1.75
 """Slides are told as if every body were as high [m]."""
@@ -104,6 +108,26 @@ def slides(performance: Performance, times: Array) -> Array:
     stands = np.minimum(frames.contacts[1:], frames.contacts[:-1]) > STANDS
     size = HUMAN / performance.model.character.frame.height
     return 1000.0 * size * quat.length(np.diff(places[..., :2], axis=0)) * stands
+
+
+def shown_slides(library: Library, commands: Sequence[Command], last: float) -> Array:
+    """Return how far the same feet move once feet are planted, as the library's own character shows it; see `slides`.
+
+    Args:
+        library: Made for the character.
+        commands: What it is told.
+        last: Up to when it is looked at [s].
+    """
+    directed = director.prepare(library.model.character, library, Directions(tuple(commands)), last)
+    model, moved, performance = directed.model, directed.moved, directed.performance
+    assert performance is not None, "it was told something"
+    frames = performance.frame(directed.first + np.arange(len(moved.turns), dtype=np.float64))
+    before = Moved.of(model.character, posing.pose_of(model, frames, moved.travel), moved.travel, frames.contacts)
+    # A foot rolls about its spot as its clips have it: what counts is how the spot was moved with it.
+    kept = (moved.positions - before.positions)[:, model.feet] + in_world(frames.feet, moved.travel)
+    stands = np.minimum(frames.contacts[1:], frames.contacts[:-1]) > STANDS
+    size = HUMAN / model.character.frame.height
+    return 1000.0 * size * quat.length(np.diff(kept[..., :2], axis=0)) * stands
 
 
 def _goes_on(model: MotionModel) -> bool:
