@@ -9,6 +9,8 @@ from .. import quat
 from ..arrays import Array
 
 TINY = 1e-12
+NEAR = 0.25
+"""Share of its length below which a constraint that is pressed together pushes the less, the shorter it is."""
 
 
 def softened(error: Array, width: Array | float) -> Array:
@@ -40,6 +42,8 @@ def beyond(distance: Array, start: Array, full: Array, least: Array) -> Array:
 def corrections(start: Array, end: Array, rest: Array, width: Array | float) -> Array:
     """Return the way by which the ends of constraints come nearer to each other in all, shape (..., 3).
 
+    Ends that all but coincide do not tell which way to part: the nearer they are, the less they do.
+
     Args:
         start: Rootward particles [m], shape (..., 3).
         end: Leafward particles, the same shape.
@@ -48,7 +52,7 @@ def corrections(start: Array, end: Array, rest: Array, width: Array | float) -> 
     """
     away = end - start
     distance = quat.length(away)
-    share = softened(distance - rest, width) / np.maximum(distance, TINY)
+    share = softened(distance - rest, width) / np.maximum(distance, NEAR * rest + TINY)
     return share[..., None] * away
 
 

@@ -32,7 +32,7 @@ from .goals import Goals
 from .plan import NONE, Nudge, Plan, Trunk, Wave
 from .planning import prepare
 from .spine import Rest
-from .state import State, stacked
+from .state import State, stacked, toward
 
 __all__ = ["NONE", "BodyPose", "Plan", "prepare", "solve"]
 
@@ -133,10 +133,16 @@ def _bend(state: State, trunk: Trunk) -> None:
     rest = trunk.spine.still
     if any(joint in state.plan.turned for joint in trunk.joints):
         rest = Rest(trunk.spine, np.matmul(back, stacked([base[j] for j in trunk.joints], len(state))))
-    bent = spine_phase.solve(rest, _wanted_of(state, trunk, rest, base, back))
+    wanted = _wanted_of(state, trunk, rest, base, back)
+    bent = spine_phase.solve(rest, wanted)
     turns = np.matmul(carried[:, None], bent.turns)
     for i, joint in enumerate(trunk.joints):
-        state.turn(joint, state.held(joint, turns[:, i]))
+        turned = turns[:, i]
+        if wanted.counts is not None:
+            # What nothing is wanted of is carried along, as beyond the spine's end.
+            alone = state.wanted(joint, state.rotation(state.plan.above[joint]))
+            turned = toward(alone, turned, wanted.count_of_bone(trunk.spine, i))
+        state.turn(joint, state.held(joint, turned))
     if bent.factors is not None:
         for body, i in trunk.drawn.items():
             state.draw(trunk.joints[i], body, bent.factors[:, i], trunk.spine.segments[i])
@@ -162,13 +168,27 @@ def _wanted_of(state: State, trunk: Trunk, rest: Rest, base: Mapping[int, Array]
     pulls, counts, held = list(trunk.pulls), trunk.spine.counts, np.zeros(frames)
     if trunk.last in plan.turned:
         held = goals.rotation_influence[:, plan.turned[trunk.last]]
+    weights = counts * goals.position_influence[:, pulls]
     return spine_phase.Wanted(
         rotation.apply(back, pins),
         pinned,
         rest.drawn_in(rotation.apply(back, goals.positions[:, pulls] - start[:, None])),
-        counts * goals.position_influence[:, pulls],
+        weights,
         held,
+        _counts(trunk, pinned, weights),
     )
+
+
+def _counts(trunk: Trunk, pinned: Array, weights: Array) -> Array | None:
+    """Return how much anything wants of each branch point or of those beyond it; None where all counts in full.
+
+    Arguments as in `spine_phase.Wanted`; shape (frame, node).
+    """
+    out = pinned.copy()
+    for i, pull in enumerate(trunk.spine.pulls):
+        out[:, pull.node] = np.maximum(out[:, pull.node], weights[:, i])
+    out = np.maximum.accumulate(out[:, ::-1], axis=1)[:, ::-1]
+    return None if (out[:, 1:] == 1.0).all() else out
 
 
 # --- limbs ---

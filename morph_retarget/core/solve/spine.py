@@ -12,14 +12,21 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array, Flags, Indices
-from .constraints import TINY
-from .limb_phase import Limbs
+from .constraints import TINY, smooth_step
+from .limb_phase import BENT, STRAIGHT, Limbs
 from .limb_settings import LimbSettings
 from .settings import SolverSettings
+from .spine_lines import angles, tangents
 from .spline import Splines
 
-BACK = np.array([0.0, 1.0, 0.0])
-"""Where a straight spine bends when it is pushed together, character frame."""
+BACK = np.array([0.0, 1.0, 0.3])
+"""Where a straight spine bends when it is pushed together, character frame: back, and one that lies, up."""
+STRETCHED = 0.999
+"""Share of its length to which a piece of the spine is stretched."""
+LEVEL = 1e-3
+"""Angle by which a spine that is taken for straight may bend the other way [rad]."""
+FAINT = 1e-9
+"""Share of the spine's length below which a bone has no direction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +110,8 @@ class Spine:
     def twist_shares(self) -> Array:
         """Share of the twist of its branch point that the bone which carries each limb takes, shape (pull,)."""
         joints, nodes = [pull.joint for pull in self.pulls], [pull.node for pull in self.pulls]
-        piece, place = (own[joints] for own in self.bone_of)
-        share = self.splines.middles[piece, place]
-        return np.where(piece < nodes, share, 1.0 - share)
+        share = self.middles[joints]
+        return np.where(self.bone_of[0][joints] < nodes, share, 1.0 - share)
 
     @cached_property
     def held(self) -> int:
@@ -147,15 +153,26 @@ class Spine:
 
     @cached_property
     def leans(self) -> Array:
-        """How bones that stand in line lean when they are pushed together, as tangents, shape (piece, bone, 3)."""
-        return self.pieces.leans / np.maximum(self.pieces.lengths, TINY)[..., None]
+        """How bones that stand in line lean when they are pushed together, as tangents, shape (piece, bone, 3).
+
+        Those that are bent a little lean to where they are.
+        """
+        own = self.pieces.leans / np.maximum(self.pieces.lengths, TINY)[..., None]
+        bows = self.pieces.directions - self.pieces.lines[:, None]
+        along = (self.pieces.lengths * quat.dot(own, bows)).sum(axis=-1)
+        return np.where(along < -LEVEL * self.pieces.full, -1.0, 1.0)[:, None, None] * own
 
     @cached_property
     def most(self) -> Array:
-        """Farthest that the ends of each piece come from each other [m], shape (piece,)."""
+        """Farthest that the ends of each piece come from each other [m], shape (piece,).
+
+        Straight ones bend by the square root of what they are shorter; so no piece gets straighter than nearly, unless
+        it is at rest.
+        """
         pieces = self.pieces
         alone = (pieces.lengths > TINY).sum(axis=-1) == 1
-        return np.where(alone, pieces.full, np.minimum(pieces.full, self.settings.stretch * pieces.chords))
+        longest = np.where(alone, pieces.full, np.maximum(STRETCHED * pieces.full, pieces.chords))
+        return np.minimum(longest, np.where(alone, pieces.full, self.settings.stretch * pieces.chords))
 
     @cached_property
     def elastic(self) -> Array:
@@ -190,17 +207,25 @@ class Spine:
         spans = np.diff(self.nodes)
         return own, np.arange(len(self.segments)) - np.array(self.nodes)[own] + (spans.max() - spans)[own]
 
-    def unpadded(self, directions: Array) -> Array:
-        """Return directions of bones, those of no length as the first one that has some, (frame, piece, bone, 3)."""
-        return directions if self._first is None else directions[:, np.arange(len(self._first))[:, None], self._first]
+    @cached_property
+    def leading(self) -> Indices:
+        """For each joint the one whose bone tells its direction, shape (joint,): its own, unless that has no length.
+
+        Then it goes with the one before it, or with the first one that has some.
+        """
+        some = np.flatnonzero(quat.length(self.segments) > FAINT * self.size)
+        joints: Indices = np.arange(len(self.segments))
+        return some[np.maximum(np.searchsorted(some, joints, side="right") - 1, 0)] if len(some) else joints
+
+    def of_bones(self, directions: Array) -> Array:
+        """Return directions of the joints from those of the bones of pieces, (frame, piece, bone, 3)."""
+        piece, place = self.bone_of
+        return directions[:, piece[self.leading], place[self.leading]]
 
     @cached_property
-    def _first(self) -> Indices | None:
-        spans = np.diff(self.nodes)
-        if (spans == spans.max()).all():
-            return None
-        places: Indices = np.arange(int(spans.max()))
-        return np.maximum(places, (spans.max() - spans)[:, None])
+    def middles(self) -> Array:
+        """How far along their pieces the middles of bones are, 0 to 1, shape (joint,)."""
+        return self.splines.middles[self.bone_of]
 
     @cached_property
     def still(self) -> "Rest":
@@ -273,8 +298,10 @@ class Rest:
 
     @cached_property
     def directions(self) -> Array:
-        """Of the bones, unit vectors, shape (frame, piece, bone, 3)."""
-        return self.spine.unpadded(rotation.apply(self.piece_turns, self.spine.pieces.directions))
+        """Of the bones, unit vectors, shape (frame, joint, 3)."""
+        own = self.spine.leading
+        piece, place = self.spine.bone_of
+        return rotation.apply(self.turns.take(own, axis=1), self.spine.pieces.directions[piece[own], place[own]])
 
     @cached_property
     def splined(self) -> Array:
@@ -292,16 +319,40 @@ class Rest:
         return bool(np.abs(self.offsets).max() > 1e-9 * self.spine.size)
 
     @cached_property
-    def back(self) -> Array:
-        """What undoes the carrying of a frame along the bones, shape (frame, piece, bone, 3, 3)."""
-        return rotation.transposed(transported(self.directions[:, :, 0], self.directions))
+    def least(self) -> Array:
+        """Nearest that the ends of each piece come [m], shape (frame, piece)."""
+        return np.minimum(self.spine.least, self.chords)
+
+    @cached_property
+    def axes(self) -> Array:
+        """Directions of the constraints, unit vectors, shape (frame, piece, 3)."""
+        return quat.unit(self.constraints)
+
+    @cached_property
+    def bows(self) -> Array:
+        """How bones lead off the constraints of their pieces, square to these, shape (frame, piece, bone, 3)."""
+        bones = rotation.apply(self.piece_turns, self.spine.pieces.directions)
+        own = bones - quat.dot(bones, self.axes[:, :, None])[..., None] * self.axes[:, :, None]
+        return np.where((self.spine.pieces.lengths > 0.0)[..., None], own, 0.0)
+
+    @cached_property
+    def straight(self) -> Array:
+        """How straight the pieces are: 0 where their own bends tell how they bow, shape (frame, piece)."""
+        return smooth_step(self.chords / self.spine.pieces.full, np.cos(0.5 * BENT), np.cos(0.5 * STRAIGHT))
+
+    @cached_property
+    def leans(self) -> Array:
+        """How bones of straight pieces lead off their constraints when these get shorter, shape as of `bows`."""
+        own = rotation.apply(self.piece_turns[:, :, :1], self.spine.leans)
+        own = own - quat.dot(own, self.axes[:, :, None])[..., None] * self.axes[:, :, None]
+        return self.straight[..., None, None] * own
 
     @cached_property
     def folds(self) -> Array:
         """Angles between neighbouring constraints [rad], 0 for the first, shape (frame, piece)."""
         own = self.constraints
         before = np.concatenate([own[:, :1], own[:, :-1]], axis=1)
-        return np.arctan2(quat.length(quat.cross(before, own)), quat.dot(before, own))
+        return angles(before, own)
 
     @property
     def is_turned(self) -> bool:
@@ -312,35 +363,3 @@ class Rest:
     def tangents(self) -> Array:
         """At the branch points, unit vectors, shape (frame, node, 3)."""
         return tangents(self.nodes, self.constraints[:, 0])
-
-
-def transported(before: Array, directions: Array) -> Array:
-    """Return how a frame turns that is carried along bones by the smallest rotations, shape (..., bone, 3, 3).
-
-    Args:
-        before: Where the first bone led when the frame was not turned, unit vectors, shape (..., 3).
-        directions: Of the bones, unit vectors, shape (..., bone, 3).
-    """
-    steps = rotation.between(np.concatenate([before[..., None, :], directions[..., :-1, :]], axis=-2), directions)
-    for i in range(1, steps.shape[-3]):
-        steps[..., i, :, :] = np.matmul(steps[..., i, :, :], steps[..., i - 1, :, :])
-    return steps
-
-
-def tangents(at: Array, first: Array) -> Array:
-    """Return tangents of branch points: three-point differences, and at the end that of a natural cubic spline.
-
-    The paper's formula for the end has its first difference the other way round, as a straight line tells.
-
-    Args:
-        at: The branch points [m], shape (frame, node, 3).
-        first: The tangent of the first one, which is known, shape (frame or 1, 3).
-
-    Returns:
-        Unit vectors, shape (frame, node, 3).
-    """
-    out = np.empty_like(at)
-    out[:, 0] = first
-    out[:, 1:-1] = 0.5 * (at[:, 2:] - at[:, :-2])
-    out[:, -1] = 1.5 * (at[:, -1] - at[:, -2]) - 0.5 * out[:, -2]
-    return quat.unit(out)

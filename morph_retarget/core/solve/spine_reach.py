@@ -1,0 +1,176 @@
+"""Branch points within reach of each other, Hecker 2008 §4.3.2: a projection, and no piece folds over.
+
+Where a piece would have to lead back along the one before it, or its ends would coincide, it has no direction that
+follows its goals: so toward that it turns back to where it would be carried. What is out of its own reach is nearest
+to the goal; what lies behind its back is implausible (§4.3), and fails gracefully.
+"""
+
+import numpy as np
+
+from .. import quat, rotation
+from ..arrays import Array
+from . import constraints, spine_closing, spine_stretching
+from .constraints import TINY
+from .spine import Rest
+from .spine_lines import angles, carried
+from .spine_wanted import Wanted
+
+PASSES = 2
+"""How often branch points are brought within reach of each other, inward and outward."""
+FOLD = np.radians(100.0)
+"""Up to here a piece turns against the one before it as it is wanted; beyond, the less, and by half a turn not."""
+
+BOW = 1.0
+"""How much a piece bows, as the square root of the share by which it is shorter, for a way of all of its length."""
+
+SLOW = 0.999
+"""Share of its length from which on the spine slows down toward goals that it cannot reach."""
+
+
+def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Array) -> tuple[Array, Array]:
+    """Return branch points within reach of each other [m], shape (frame, node, 3), and what ``most`` became for that.
+
+    Args:
+        rest: The root-relative rest pose.
+        wanted: What bends the spine.
+        particles: The branch points [m], shape (frame, node, 3).
+        starts: Where limbs start, from their branch points [m], shape (frame or 1, pull, 3).
+        most: Farthest that the ends of each piece come from each other [m], shape (frame or 1, piece).
+    """
+    out = particles.copy()
+    count = out.shape[1]
+    for _ in range(PASSES if count > 2 else 1):
+        for node in range(count - 1, 0, -1):
+            wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
+            if node > 1:
+                way = _apart(out[:, node], out[:, node - 1], rest.least[:, node - 1], most[:, node - 1])
+                out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
+        _outward(rest, wanted, out, most)
+    _arrive(rest, wanted, out, 0, most)
+    if count > 2:
+        _outward(rest, wanted, out, most)
+    if held := rest.spine.held:  # the trunk does not leave behind what feet hold
+        wanted.carry(out, held, constraints.together(_held_back(rest, wanted, out, starts, held)))
+        way = wanted.pins[:, -1] - out[:, held]
+        most = spine_stretching.from_held(rest.spine, held, way, wanted.pinned[:, -1], most)
+        _arrive(rest, wanted, out, held, most)
+        _outward(rest, wanted, out, most)
+    return out, most
+
+
+def eased(rest: Rest, held: Array, moved: Array, way: Array, piece: int) -> Array:
+    """Return the way of a branch point that takes it nearer to the one before it the less, the straighter the piece.
+
+    A straight piece that gets shorter bows by the square root of that: it would swing what it carries away farther than
+    it brings it nearer. So its bow grows as the way does.
+
+    Args:
+        rest: The root-relative rest pose.
+        held: The branch point before it [m], shape (frame, 3).
+        moved: The branch point [m], shape (frame, 3).
+        way: How far it wants to move [m], shape (frame, 3).
+        piece: The piece between them.
+    """
+    full = rest.spine.pieces.full[piece]
+    before, away = quat.length(moved - held), moved + way - held
+    distance = quat.length(away)
+    bow = np.sqrt(np.maximum(1.0 - before / full, 0.0)) + BOW * np.maximum(before - distance, 0.0) / full
+    kept = np.where(distance < before, np.maximum(distance, np.minimum(before, full * (1.0 - bow * bow))), distance)
+    return held + (kept / np.maximum(distance, TINY))[:, None] * away - moved
+
+
+def _apart(held: Array, moved: Array, least: Array, most: Array) -> Array:
+    """Return the way by which a branch point comes within reach of one farther out [m], shape (frame, 3).
+
+    Where the two all but coincide, nothing tells which way to part: the nearer they are, the less they do.
+    """
+    away = moved - held
+    distance = quat.length(away)
+    wanted = np.minimum(np.maximum(distance, least), most)
+    return (wanted / np.maximum(distance, 0.5 * least + TINY) - 1.0)[:, None] * away
+
+
+def _outward(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
+    """Bring each branch point within reach of the one before it, and to where its piece does not fold over."""
+    for node in range(1, particles.shape[1]):
+        held, piece = particles[:, node - 1], node - 1
+        away = particles[:, node] - held
+        distance = quat.length(away)
+        least = rest.least[:, piece]
+        reach = np.minimum(np.maximum(distance, least), most[:, piece])
+        before = rest.constraints[:, 0] if node == 1 else held - particles[:, node - 2]
+        level = np.cos(np.maximum(FOLD - rest.folds[:, piece], 0.0)) * quat.length(before) * distance
+        came = held + (reach / np.maximum(distance, TINY))[:, None] * away
+        folded = (quat.dot(np.broadcast_to(before, away.shape), away) < level) | (distance < least)
+        if folded.any():
+            home = _carried(rest, particles, piece)
+            turned = held + reach[:, None] * _unfolded(away, home, distance / np.maximum(least, TINY))
+            came = np.where(folded[:, None], turned, came)
+        wanted.carry(particles, node, came - particles[:, node])
+
+
+def _carried(rest: Rest, particles: Array, piece: int) -> Array:
+    """Return where the pieces before it carry a piece, unit vectors, shape (frame, 3)."""
+    if piece == 0:
+        return np.broadcast_to(rest.axes[:, 0], (len(particles), 3))
+    own = quat.unit(np.diff(particles[:, : piece + 1], axis=1))
+    return rotation.apply(carried(rest.axes[:, :piece], own)[:, -1], rest.axes[:, piece])
+
+
+def _unfolded(away: Array, home: Array, share: Array) -> Array:
+    """Return directions that go back to where they are carried as ways vanish or fold over, shape (frame, 3).
+
+    Args:
+        away: The ways [m], shape (frame, 3).
+        home: Where they are carried, unit vectors, shape (frame, 3).
+        share: Lengths of the ways over the least that they may have, shape (frame,).
+    """
+    angle = angles(home, away)
+    wanted = angle * (1.0 - constraints.smooth_step(angle, FOLD, np.pi)) * constraints.smooth_step(share, 0.0, 1.0)
+    aside = quat.unit(away - quat.dot(away, home)[:, None] * home)
+    return np.cos(wanted)[:, None] * home + np.sin(wanted)[:, None] * aside
+
+
+def _held_back(rest: Rest, wanted: Wanted, particles: Array, starts: Array, node: int) -> Array:
+    """Return how far limbs hold their branch point back that it must not leave behind, shape (frame, limb, 3)."""
+    own = rest.spine.pulled[node]
+    away = wanted.goals[:, own.pulls] - starts[:, own.pulls] - particles[:, node, None]
+    distance = quat.length(away)
+    share = wanted.weights[:, own.pulls] * np.maximum(distance - own.full, 0.0)
+    return (share / np.maximum(distance, TINY))[..., None] * away
+
+
+def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Array) -> None:
+    """Bring the last branch point to its goal, where the constraints from a branch point on can reach it together.
+
+    Bringing neighbours within reach, one after the other, gets there only slowly when the spine is nearly straight.
+    """
+    way = wanted.pinned[:, -1, None] * (wanted.pins[:, -1] - particles[:, -1])
+    rows = np.flatnonzero(np.abs(way).max(axis=-1) > 1e-9 * rest.spine.size)
+    if particles.shape[1] - first < 3 or not len(rows):
+        return
+    own, most = particles[rows, first:], (most if len(most) == 1 else most[rows])[:, first:]
+    goal = own[:, -1] + way[rows] - own[:, 0]
+    distance = quat.length(goal)
+    along = np.diff(own, axis=1)
+    lengths = np.minimum(quat.length(along), most)
+    missing, room = np.maximum(distance - lengths.sum(axis=-1), 0.0), most - lengths
+    lengths = lengths + np.minimum(missing / np.maximum(room.sum(axis=-1), TINY), 1.0)[:, None] * room
+    chord = quat.length(rest.nodes[:, -1] - rest.nodes[:, first])
+    distance = _slowed(distance, chord if len(chord) == 1 else chord[rows], lengths.sum(axis=-1))
+    axis = quat.unit(goal)
+    chain = spine_closing.close(quat.unit(along)[:, None], lengths[:, None], axis[:, None], distance[:, None])[:, 0]
+    ends = (lengths[..., None] * chain).sum(axis=1)
+    chain = rotation.apply(rotation.between(quat.unit(ends), axis)[:, None], chain)
+    particles[rows, first + 1 :] = own[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
+
+
+def _slowed(distance: Array, chord: Array, full: Array) -> Array:
+    """Return distances within reach [m], shape (frame,): those next to the longest are approached ever more slowly.
+
+    A chain that is nearly straight bends by the square root of what it is shorter.
+    """
+    soft = np.minimum(np.maximum(SLOW * full, chord), full)
+    room = np.maximum(0.9 * (full - soft), TINY)
+    beyond = np.maximum(distance - soft, 0.0)
+    return np.minimum(distance, soft) - room * np.expm1(-beyond / room)
