@@ -18,7 +18,7 @@ from ..core.errors import MorphError, MotionError, RigError
 from . import actions, channels, collect, retarget, writing
 from .channels import OFF_REST, Channel
 from .controls import deforming
-from .controls.carrying import Onto
+from .controls.task import Onto
 from .properties import of_rig
 from .retarget import Source
 from .rig import Rig, pose_of

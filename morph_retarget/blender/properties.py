@@ -24,7 +24,7 @@ from ..core.errors import MappingError
 from ..core.mocap.feet import FeetSettings
 from ..core.mocap.plan import Matching, RetargetSettings
 from ..core.mocap.root_motion import RootMotion
-from .controls.carrying import Onto
+from .controls.task import Onto
 from .directing import properties as directing
 from .directing.properties import Directed
 from .laying import Lay

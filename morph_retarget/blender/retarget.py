@@ -4,7 +4,6 @@ import time
 from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TypeVar
 
 import bpy
 import numpy as np
@@ -22,13 +21,13 @@ from ..core.pipeline import Result
 from . import channels, contacts, laying, rig, sampling, writing
 from .contacts import Contact
 from .controls import deforming
-from .controls.carrying import Onto, Task
+from .controls.task import Onto, Task
 from .laying import Lay, Place
 from .rig import Rig
 from .sampling import Clip
+from .steps import run as run
+from .steps import within as within
 from .templates import filled
-
-_T = TypeVar("_T")
 
 
 class Reference(StrEnum):
@@ -130,7 +129,8 @@ def check_target(ob: bpy.types.Object) -> None:
     """Check that an armature can be given an action.
 
     Raises:
-        RigError: It is linked from another file without a library override that can be edited.
+        RigError: It is linked from another file without a library override that can be edited, or a strip of it is
+            being tweaked.
     """
     if ob.library is not None and ob.override_library is None:
         raise RigError(
@@ -142,6 +142,8 @@ def check_target(ob: bpy.types.Object) -> None:
             f"armature {ob.name!r} is a library override that cannot be edited: make it editable first "
             "(Outliner > Library Override > Make > Selected)"
         )
+    if ob.animation_data is not None and ob.animation_data.use_tweak_mode:
+        raise RigError(f"a strip of armature {ob.name!r} is being tweaked: leave tweak mode in the NLA editor first")
 
 
 def retarget(
@@ -302,22 +304,3 @@ def _warnings(source: Source, target: Rig, character: Character, plan: Plan, on_
             )
             break
     return tuple(out)
-
-
-def within(low: float, high: float, steps: Generator[float, None, _T]) -> Generator[float, None, _T]:
-    """Run steps as a part of others, from one share done to another, and return what they return."""
-    while True:
-        try:
-            share = next(steps)
-        except StopIteration as end:
-            return end.value
-        yield low + share * (high - low)
-
-
-def run(steps: Generator[float, None, _T]) -> _T:
-    """Run a stepped function to its end and return what it returns."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as done:
-            return done.value

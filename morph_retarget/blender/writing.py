@@ -14,7 +14,7 @@ from ..core.pipeline import Result
 from . import channels, sampling
 from .channels import Channel
 from .controls import carrying
-from .controls.carrying import Onto, Task
+from .controls.task import Onto, Task, Times
 from .rig import Rig
 from .sampling import Clip
 
@@ -59,7 +59,7 @@ def written(
     """
     times = shown_at(clip, scene)
     frames, places = key_frames(times, clip, resample)
-    carried = yield from carrying.carry(task, result, onto, carrying.Times(frames, places, times), scene)
+    carried = yield from carrying.carry(task, result, onto, Times(frames, places, times), scene)
     if carried is not None:
         return Written(carried.channels, carried.body, frames, carried.motion, carried.described, carried.warnings)
     keyed = result if places is None else result.resampled(places)

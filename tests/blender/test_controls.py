@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import actions, retarget, rig
-from morph_retarget.blender.controls.carrying import Onto
+from morph_retarget.blender.controls.task import Onto
+from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.blender.retarget import Options, Outcome, Source
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MappingError, RigError
 from morph_retarget.core.mocap.plan import RetargetSettings
 from morph_retarget.core.mocap.root_motion import RootMotion
-from tests.blender import control_rigs, scenes
+from tests.blender import control_rigs, scenes, window
 from tools.figure import blender
 
 FRAMES = scenes.FRAMES[::6]
@@ -231,6 +232,26 @@ def test_controls_can_be_named(walk: Source) -> None:
     assert off(ob, outcome).max() < 0.01
     with pytest.raises(MappingError, match="'Nobody', which the armature does not have"):
         scenes.give(walk, ob, Options(controls={"hips": "Nobody"}))
+
+
+def test_controls_are_named_in_the_list_of_joints_and_kept_by_analyses_and_presets(tmp_path: Path) -> None:
+    with window.registered():
+        ob = control_rigs.controlled(blender, lambda joint: f"Anim {_part(joint)}")
+        settings = of_scene(bpy.context.scene)
+        settings.source, settings.target = scenes.walker(), ob
+        ops = bpy.ops.morph_retarget
+        ops.analyze(rig=ob.name)
+        of_rig(ob).joints["hips"].control = "Anim Hips"
+        ops.analyze(rig=ob.name)
+        assert of_rig(ob).controls() == {"hips": "Anim Hips"}
+        ops.export_map(filepath=str(tmp_path / "map.json"), rig=ob.name)
+        of_rig(ob).joints["hips"].control = "Nobody"
+        with pytest.raises(RuntimeError, match="'Nobody', which the armature does not have"):
+            ops.retarget()
+        ops.import_map(filepath=str(tmp_path / "map.json"), rig=ob.name)
+        assert of_rig(ob).controls() == {"hips": "Anim Hips"}
+        ops.retarget()
+        assert any(path.startswith('pose.bones["Anim Hips"]') for path, _ in scenes.curves_of(ob))
 
 
 def test_controls_that_are_not_there_are_asked_for_in_vain(walk: Source) -> None:

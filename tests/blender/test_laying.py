@@ -96,6 +96,19 @@ def test_of_a_rig_with_controls_a_chosen_arm_moves_alone(walk: Source, rigify_fi
     assert keyed == {*arm, "upper_arm_parent.L"}
 
 
+def test_a_target_whose_strip_is_tweaked_is_refused(walk: Source) -> None:
+    ob = scenes.sprout()
+    scenes.give(walk, ob, Options(lay=Lay.STASH))
+    data = ob.animation_data
+    data.nla_tracks[0].mute = False
+    data.nla_tracks[0].strips[0].select = True
+    data.nla_tracks.active = data.nla_tracks[0]
+    data.use_tweak_mode = True
+    assert data.use_tweak_mode
+    with pytest.raises(RigError, match="a strip of armature 'Sprout' is being tweaked"):
+        scenes.give(walk, ob)
+
+
 # --- through the operator ---
 
 

@@ -13,7 +13,7 @@ from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
 from .. import actions, presets, retarget, rig, sampling, terrain
-from ..controls.carrying import Onto
+from ..controls.task import Onto
 from ..io import load, save
 from ..io.load import Request
 from ..laying import Lay

@@ -1,30 +1,28 @@
 """Motion for deform bones as channels of the controls that pose them."""
 
-from collections.abc import Collection, Generator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from enum import StrEnum
+from collections.abc import Generator, Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ...core.arrays import Array, Indices
-from ...core.character.character import Character
 from ...core.character.control_names import Limb
-from ...core.character.controls import FOUND, Controls, Setting, Wanted, joints_without, read
-from ...core.errors import RigError, listed
+from ...core.character.controls import FOUND, Controls, Setting, Wanted, read
+from ...core.errors import RigError
 from ...core.mocap import carrying
 from ...core.mocap.carrying import Handle, Handling, Seen, Values
 from ...core.mocap.links import NONE, LimbLinks, Links
 from ...core.mocap.measure import Spread, direction_errors
-from ...core.mocap.motion import Motion
-from ...core.mocap.plan import Plan
 from ...core.mocap.root_motion import RootMotion
 from ...core.pipeline import Result
 from .. import actions, channels
 from ..channels import Channel
-from ..rig import Rig, pose_bone
-from . import evaluating, reading
+from ..rig import pose_bone
+from ..steps import within
+from . import evaluating, reading, telling
 from .evaluating import Stage
+from .task import Carried, Onto, Task, Times, Work
 
 PASSES = 6
 """So often the whole motion is evaluated at most."""
@@ -34,84 +32,8 @@ CLOSE_SWIVEL = 0.01
 """… knees and elbows that are no further off about the lines of their limbs [rad] …"""
 CLOSE_PLACE = 1e-4
 """… and hips, hands and feet that are no further off [heights]."""
-CLOSE_ENOUGH = 2.0
-"""A mean error of bones above this is worth a warning [degrees]."""
 BETTER = 0.7
 """A pass that leaves more than this share of what was missing was the last."""
-
-
-class Onto(StrEnum):
-    """What a motion is written on."""
-
-    AUTO = "auto"
-    """Controls that turn parts where a rig has controls, else its bones."""
-    FK = "fk"
-    """Controls that turn parts."""
-    IK = "ik"
-    """Controls that bring hands and feet to places; those that turn parts for all else."""
-    NONE = "none"
-    """The bones that were mapped."""
-
-
-@dataclass(frozen=True, eq=False)
-class Carried:
-    """A motion on controls."""
-
-    channels: Sequence[Channel]
-    body: Sequence[str]
-    """Bones that it owns."""
-    motion: Motion
-    """What the deform bones do, as Blender evaluates them."""
-    described: dict[str, object]
-    """For reports."""
-    warnings: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """What is to be carried, and where to."""
-
-    target: Rig
-    """With all its bones; the plan and the character may know only the deform bones among them."""
-    character: Character
-    plan: Plan
-    given: Mapping[str, str] = field(default_factory=dict[str, str])
-    """The user's own controls, by joint."""
-    only: Collection[str] = ()
-    """Bones or controls that are to be moved; all when empty."""
-
-
-@dataclass(frozen=True, eq=False)
-class Times:
-    """When a motion is keyed and shown."""
-
-    keyed: Array
-    """Frames of the scene, shape (n,)."""
-    places: Array | None
-    """Frames of the motion that these are, shape (n,); its own ones when None."""
-    shown: Array
-    """When the frames of the motion are shown [frames of the scene], shape (frame,)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Work:
-    """A task with the controls that were found for it."""
-
-    task: Task
-    controls: Controls
-    onto: Onto
-    rest: Sequence[Channel]
-    """Switches, one frame each."""
-
-    @property
-    def target(self) -> Rig:
-        """The rig."""
-        return self.task.target
-
-    @property
-    def plan(self) -> Plan:
-        """Of the pair."""
-        return self.task.plan
 
 
 def controls_of(stage: Stage, task: Task) -> Controls | None:
@@ -196,7 +118,9 @@ def _carry(stage: Stage, work: Work, result: Result, times: Times) -> Generator[
         passes += 1
         made = [*beside, *_channels(work, handling, values)]
         stage.show(_whole(work, made), frames)
-        seen, moves = yield from _seen(stage, work, handling, frames)
+        # Each further pass is less likely.
+        seeing = _seen(stage, work, handling, frames)
+        seen, moves = yield from within(1.0 - 0.5 ** (passes - 1), 1.0 - 0.5**passes, seeing)
         miss = carrying.miss(handling, goal, seen)
         score = max(miss.turn / CLOSE_TURN, miss.swivel / CLOSE_SWIVEL, miss.place / (CLOSE_PLACE * height))
         worse = best is not None and score > BETTER * best[0]
@@ -222,7 +146,9 @@ def _carry(stage: Stage, work: Work, result: Result, times: Times) -> Generator[
         moved = _chosen(work)
         own = [*(channel for channel in made if channel.bone in moved), *work.rest]
         body = [name for name in body if name in moved]
-    return Carried(own, body, shown, _described(work, passes, error), _warnings(work, error))
+    return Carried(
+        own, body, shown, telling.described(work, len(handling.handles), passes, error), telling.warnings(work, error)
+    )
 
 
 def _repeated(seen: Seen, frames: int) -> Seen:
@@ -374,37 +300,3 @@ def _whole(work: Work, made: Sequence[Channel]) -> list[Channel]:
     """Return channels with all that must rest or be set beside them."""
     ob = work.target.object
     return [*made, *work.rest, *channels.resting(ob, _body(work), made, actions.paths_in_strips(ob))]
-
-
-def _described(work: Work, passes: int, error: Spread) -> dict[str, object]:
-    return {
-        "family": work.controls.family,
-        "onto": "ik" if work.onto is Onto.IK else "fk",
-        "controls": len(_handles(work)),
-        "passes": passes,
-        "deform_error_deg": {"mean": round(error.mean, 4), "max": round(error.max, 4)},
-    }
-
-
-def _warnings(work: Work, error: Spread) -> tuple[str, ...]:
-    """Return what the user should know."""
-    found, target, out = work.controls, work.target, list[str]()
-    names = work.plan.target.skeleton.names
-    lost = joints_without({joint: match.bone for joint, match in work.task.character.joints.items()}, found)
-    moved = {names[int(bone)] for bone in work.plan.links.target}
-    lost = [joint for joint in lost if work.task.character.joints[joint].bone in moved]
-    if lost:
-        out.append(f"no control of {target.name!r} was found for {listed(lost)}: name them in the joint list")
-    if work.onto is Onto.IK:
-        there = {limb.limb.end for limb in found.limbs}
-        links = work.plan.links
-        ends = [names[int(links.target[limb.end])] for limb in (*links.legs, *links.arms)]
-        without = [name for name in ends if name not in there]
-        if without:
-            out.append(f"{listed(without)} of {target.name!r} have no control that reaches: they are turned instead")
-    if error.mean > CLOSE_ENOUGH:
-        out.append(
-            f"the controls of {target.name!r} bring its bones {error.mean:.1f} degrees from where they were meant: "
-            "something besides them moves the bones; check the controls in the joint list"
-        )
-    return tuple(out)

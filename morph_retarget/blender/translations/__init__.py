@@ -6,8 +6,10 @@ from . import chinese, japanese
 
 LANGUAGES: dict[str, dict[str, str]] = {"ja_JP": japanese.MESSAGES, "zh_HANS": chinese.MESSAGES}
 """Tables by Blender's code of the language."""
-CONTEXTS = ("*", "Operator")
-"""Blender looks for labels of operators in a context of their own; ours mean the same in both."""
+OWN = "Morph Retarget"
+"""A context in which Blender itself has no words: its "Characters" are letters."""
+CONTEXTS = ("*", "Operator", OWN)
+"""Blender looks for labels of operators in a context of their own; ours mean the same in all."""
 
 _OWNER = "morph_retarget"
 """Under which Blender keeps the tables."""

@@ -168,7 +168,7 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
     ) -> None:
         assert context.scene is not None, "the viewport shows a scene"
         row = layout.row()
-        row.label(text="Characters")
+        row.label(text=told("Characters"), translate=False)
         row.operator("morph_retarget.add_character", text="Add Selected", icon="ADD").action = action.name
         box = layout.box().column(align=True)
         for ob in cast.playing(context.scene, action):
@@ -185,9 +185,9 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             _draw_variant(row, ob)
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
-            told = cast.tell(ob) if query.is_ready(ob) else []
-            row.label(text="", icon="ERROR" if ob != active and told else "BLANK1")
-            for text in told if ob == active else ():
+            wrong = cast.tell(ob) if query.is_ready(ob) else []
+            row.label(text="", icon="ERROR" if ob != active and wrong else "BLANK1")
+            for text in wrong if ob == active else ():
                 say(box, text, "ERROR", context)
 
     def _draw_channels(self, layout: bpy.types.UILayout, action: bpy.types.Action) -> None:

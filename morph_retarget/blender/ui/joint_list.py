@@ -20,6 +20,8 @@ REQUIRED = frozenset(
     + [side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot")]
 )
 """Joints that every humanoid has by VRM 1.0."""
+WIDE = 340
+"""From this width of the sidebar on, bones are fields in the list [pixels]; below it they are chosen beneath."""
 
 
 def label(joint: str) -> str:
@@ -38,6 +40,13 @@ def icon(joint: MORPHRETARGET_PG_joint) -> Any:
     return "CHECKMARK" if joint.confidence >= SURE else "QUESTION"
 
 
+def _is_wide(context: bpy.types.Context) -> bool:
+    """Return whether fields in the list are wide enough to read what they hold."""
+    if context.region is None or context.preferences is None:
+        return True
+    return context.region.width >= WIDE * (context.preferences.system.ui_scale or 1.0)
+
+
 class MORPHRETARGET_UL_joints(bpy.types.UIList):
     """Joints with their bones."""
 
@@ -50,7 +59,7 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
 
     def draw_item(
         self,
-        _context: bpy.types.Context,
+        context: bpy.types.Context,
         layout: bpy.types.UILayout,
         data: Any,
         item: Any,
@@ -59,9 +68,12 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
         _active_property: str | None,
         *_: Any,
     ) -> None:
-        split = layout.split(factor=0.52)
+        split = layout.split(factor=0.54)
         split.label(text=label(item.name), icon=icon(item), translate=False)
-        split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="")
+        if _is_wide(context):
+            split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="")
+        else:
+            split.label(text=item.bone, translate=False)
 
     def draw_filter(self, _context: bpy.types.Context, layout: bpy.types.UILayout) -> None:
         row = layout.row(align=True)

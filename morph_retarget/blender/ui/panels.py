@@ -128,8 +128,9 @@ class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
         column = layout.column(align=True)
         column.use_property_split = True
         column.use_property_decorate = False
-        if settings.shown == "TARGET" and 0 <= rig.active_joint < len(rig.joints):
-            joint = rig.joints[rig.active_joint]
+        joint = rig.joints[min(max(rig.active_joint, 0), len(rig.joints) - 1)]
+        column.prop_search(joint, "bone", armature_of(ob), "bones", icon="BONE_DATA")
+        if settings.shown == "TARGET":
             column.prop_search(joint, "control", armature_of(ob), "bones", icon="BONE_DATA")
             column.prop(joint, "also")
         column.prop(rig, "up")

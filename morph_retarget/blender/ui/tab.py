@@ -9,6 +9,8 @@ from typing import Any
 
 import bpy
 
+from .. import translations
+
 
 class InTab:
     """Where the panels are."""
@@ -37,7 +39,7 @@ def say(layout: bpy.types.UILayout, text: str, icon_name: Any, context: bpy.type
 
 def told(text: str, **values: object) -> str:
     """Return a text in the language of the window, with values filled in."""
-    found = bpy.app.translations.pgettext_iface(text)
+    found = bpy.app.translations.pgettext_iface(text, translations.OWN)
     return found.format(**values) if values else found
 
 

@@ -16,6 +16,7 @@ from ..character.character import Character
 from ..character.joints import FINGER_JOINTS, PARENTS, SIDES
 from ..character.morphology import Limb, LimbKind
 from ..errors import MappingError
+from . import further
 
 NONE = -1
 Direction = tuple[float, float, float]
@@ -202,11 +203,7 @@ def _between(source: Sequence[tuple[float, int]], place: float) -> tuple[tuple[i
     return (source[-1][1], source[-1][1]), 0.0
 
 
-Also = Sequence[tuple[str, str]]
-"""Canonical joints of the source, each with a further bone of the target that turns as it does."""
-
-
-def link(source: Character, target: Character, also: Also = ()) -> Links:
+def link(source: Character, target: Character, also: further.Also = ()) -> Links:
     """Return how the bones of ``target`` follow those of ``source``.
 
     Args:
@@ -350,29 +347,12 @@ def _add_fingers(builder: _Builder, side: str) -> None:
 
 def _add_further(builder: _Builder, joint: str, bone: str) -> None:
     """Let a further bone of the target turn as a joint of the source does."""
-    if joint not in PARENTS:
-        raise MappingError(
-            f"bone {bone!r} is to follow {joint!r}, which is no joint: use VRM 1.0 names such as leftHand"
-        )
-    here, there = builder.source.bone(joint), builder.target.skeleton.index.get(bone)
-    if there is None:
-        raise MappingError(f"bone {bone!r} is to follow {joint}, but the target has no such bone: correct its name")
-    if here is None:
-        raise MappingError(f"bone {bone!r} is to follow {joint}, which the source does not have: map it by hand")
-    by_bone = {entry.target: name for name, entry in builder.entries.items()}
-    if there in by_bone:
-        raise MappingError(f"bone {bone!r} is to follow {joint}, but is {by_bone[there]} already: take it off there")
-    above = next((by_bone[b] for b in builder.target.skeleton.tree.ancestors[there] if b in by_bone), "hips")
-    name = further_name(joint, bone)
-    builder.entries[name] = _Entry(there, (here, here), 0.0, above)
+    taken = {entry.target: name for name, entry in builder.entries.items()}
+    own = further.find(builder.source, builder.target, taken, joint, bone)
+    builder.entries[own.name] = _Entry(own.target, (own.source, own.source), 0.0, own.above)
     # A joint's own segment does not end at what hangs on it besides.
-    if "+" in above and builder.entries[above].after is None:
-        builder.entries[above].after = name
-
-
-def further_name(joint: str, bone: str) -> str:
-    """Return what the link of a further bone is called: "leftHand+Claw.L"."""
-    return f"{joint}+{bone}"
+    if further.is_further(own.above) and builder.entries[own.above].after is None:
+        builder.entries[own.above].after = own.name
 
 
 def _spread(bones: Sequence[int]) -> list[tuple[float, int]]:

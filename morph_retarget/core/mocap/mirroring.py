@@ -7,6 +7,7 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array, Indices
+from . import further
 from .links import Links
 from .motion import SourceMotion
 
@@ -29,7 +30,7 @@ def partners(links: Links) -> Indices:
     """Return for each link that of the other side, or itself where there is none, shape (link,)."""
     place = {name: i for i, name in enumerate(links.names)}
     # A further bone follows the joint of the other side itself.
-    sides = [(other_side(name), other_side(name.partition("+")[0])) for name in links.names]
+    sides = [(other_side(name), other_side(further.joint_of(name))) for name in links.names]
     found = [place.get(other, place.get(joint, i)) for i, (other, joint) in enumerate(sides)]
     return np.array(found, dtype=np.intp)
 

@@ -103,6 +103,7 @@ def _enforced(plan: Plan, motion: Motion, limbs: tuple[LimbLinks, ...], targets:
     solved = constraints.enforce(
         limbs, motion.turns, motion.points, targets, plan.target_rest, plan.tree.parents, height, plan.settings.solver
     )
-    moved = {below for limb in limbs for below in plan.tree.below(limb.chain[0])}
-    points = kinematics.place(motion.points, plan.target_rest, solved.turns, plan.tree, np.array(sorted(moved), dtype=np.intp))
+    below = {link for limb in limbs for link in plan.tree.below(limb.chain[0])}
+    moved = np.array(sorted(below), dtype=np.intp)
+    points = kinematics.place(motion.points, plan.target_rest, solved.turns, plan.tree, moved)
     return Motion(solved.turns, points, max(motion.unreached, float(solved.error.max(initial=0.0))))
