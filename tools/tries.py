@@ -62,7 +62,7 @@ TRIES: Mapping[str, str] = {
 
 - Press Space.
 - Sculpt or move the mesh Hill: feet find the new ground.
-- Set Speed to 0.9: it goes over to tripods.""",
+- Set Stride to 0.6 and Step Height to 2: short high steps.""",
     "stair_spider.blend": """Eight legs up a stair.
 
 - Press Space.

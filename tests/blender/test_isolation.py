@@ -84,8 +84,9 @@ except BaseException:
 
 
 def _run(guard: str, *arguments: object) -> "subprocess.CompletedProcess[str]":
-    """Run the command line in a process in which forbidden things end it."""
-    code = f"{guard}\nimport sys\nfrom morph_retarget.blender.cli import program\nsys.exit(program.main(sys.argv[1:]))"
+    """Run the command line in a process in which forbidden things end it; Blender 4.5 as a module may never end."""
+    ending = "status = program.main(sys.argv[1:])\nsys.stdout.flush()\nos._exit(status)"
+    code = f"{guard}\nimport os, sys\nfrom morph_retarget.blender.cli import program\n{ending}"
     return subprocess.run(
         [sys.executable, "-c", code, *map(str, arguments)],
         cwd=ROOT, env=dict(os.environ), capture_output=True, text=True, check=False, timeout=300,

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 import bpy
 
 from morph_retarget.blender.translations import LANGUAGES
+from morph_retarget.blender.ui.tab import told
 from tests.window.hand import Hand
 
-OURS = "Retarget"
+OURS, THEIRS = "Retarget", "Characters"
 
 
 def path(hand: Hand) -> Iterator[None]:
@@ -20,6 +21,7 @@ def path(hand: Hand) -> Iterator[None]:
         yield
         for context in ("*", "Operator"):
             assert bpy.app.translations.pgettext_iface(OURS, context) == messages[OURS]
+        assert told(THEIRS) == messages[THEIRS], "the word that Blender has means something else"
         hand.point_at()
         yield
     view.language = "en_US"

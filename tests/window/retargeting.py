@@ -32,6 +32,28 @@ def path(hand: Hand) -> Iterator[None]:
     yield from until(_action, "the step done again")
     hand.press("Z", ctrl=True)
     yield from until(lambda: _action() is None, "the step taken back again")
+    yield from _stopped(hand)
+
+
+def _stopped(hand: Hand) -> Iterator[None]:
+    """Begin to retarget a long clip, and press Escape."""
+    scenes.walker("Strider", seconds=LONG, action="Long Walk")
+    of_scene(bpy.context.scene).source = bpy.data.objects["Strider"]
+    before = set(bpy.data.actions.keys())
+    area = hand.area()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=hand.window, area=area, region=region):
+        assert bpy.ops.morph_retarget.retarget("INVOKE_DEFAULT") == {"RUNNING_MODAL"}
+    hand.press("ESC")
+    for _ in range(4):
+        yield
+    assert set(bpy.data.actions.keys()) == before, "nothing is left of what was stopped"
+    assert _action() is None
+    assert not hand.window.modal_operators, "it listens no more"
+
+
+LONG = 60.0
+"""Duration of a clip that takes a while [s]."""
 
 
 def _action() -> bpy.types.Action | None:

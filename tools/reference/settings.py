@@ -13,7 +13,8 @@ _PREFIX = "MORPHRETARGET_PG_"
 _SCENE = """
 What the panels set, and scripts may: `bpy.context.scene.morph_retarget.…` for what shall be done, and
 `bpy.data.objects["Hero"].morph_retarget.…` for what is known about an armature and how it plays. All is kept in the
-file, and can be changed on library overrides. Channels of actions have a page of their own: [channels](channels.md).
+file; most of what armatures have can be changed on library overrides. Channels of actions have a page of their own:
+[channels](channels.md).
 """
 _CHANNELS = """
 A generalized action keeps its channels in `bpy.data.actions["Wave"].morph_retarget`. What the parts are for, and how

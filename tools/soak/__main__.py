@@ -2,6 +2,7 @@
 
 import argparse
 import sys
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -18,8 +19,9 @@ def main() -> int:
     parser.add_argument("--operations", type=int, default=10_000, metavar="N", help="how many (default: 10000)")
     parser.add_argument("--seed", type=int, default=1, metavar="S", help="of the random choices (default: 1)")
     parser.add_argument("--seconds", type=float, default=np.inf, metavar="S", help="end earlier, after so much time")
+    parser.add_argument("--trail", type=Path, metavar="FILE", help="name each operation there, should Blender crash")
     asked = parser.parse_args()
-    found = run(asked.operations, asked.seed, asked.seconds, _tell)
+    found = run(asked.operations, asked.seed, asked.seconds, _tell, asked.trail)
     for last, count in found.faults.most_common():
         print(f"── {count} ×: {last}\n{found.details[last]}")
     print(f"done:    {', '.join(f'{name} {count}' for name, count in found.done.most_common())}")

@@ -56,7 +56,13 @@ class Soak:
         return float(1000.0 * slope / counted[0, 1])
 
 
-def run(operations: int, seed: int, seconds: float = np.inf, tell: Callable[[Soak], None] | None = None) -> Soak:
+def run(
+    operations: int,
+    seed: int,
+    seconds: float = np.inf,
+    tell: Callable[[Soak], None] | None = None,
+    trail: Path | None = None,
+) -> Soak:
     """Do random operations, and return what came of them.
 
     Args:
@@ -64,6 +70,7 @@ def run(operations: int, seed: int, seconds: float = np.inf, tell: Callable[[Soa
         seed: Of the random choices.
         seconds: Time after which it ends earlier [s].
         tell: Told now and then how far it is.
+        trail: File in which each operation is named before it is done: what a crash has been led to by.
     """
     out, start = Soak(), time.monotonic()
     registration.register("morph_retarget")
@@ -75,6 +82,9 @@ def run(operations: int, seed: int, seconds: float = np.inf, tell: Callable[[Soa
         while out.operations < operations and time.monotonic() - start < seconds:
             operation = world.rng.choices([*OPERATIONS], [*OPERATIONS.values()])[0]
             recent = [*recent[-19:], operation.__name__]
+            if trail is not None:
+                with trail.open("a", encoding="utf-8") as stream:
+                    stream.write(f"{out.operations + 1} {operation.__name__}\n")
             wrong = _done(operation, world, out)
             out.operations += 1
             out.seconds = time.monotonic() - start
@@ -101,7 +111,7 @@ def _done(operation: Callable[[World], None], world: World, out: Soak) -> str:
         try:
             operation(world)
             out.longest[name] = max(out.longest.get(name, 0.0), time.perf_counter() - start)
-            if name not in {"undo", "redo"} and world.rng.random() < 0.5:
+            if name not in {"undo", "redo"}:
                 bpy.ops.ed.undo_push(message=name)
         except (MorphError, RuntimeError) as error:
             if "Traceback" in str(error) or isinstance(error, RecursionError | NotImplementedError):
