@@ -7,7 +7,6 @@ import numpy as np
 
 from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array, Flags, Indices
-from morph_retarget.core.character.character import Character
 from morph_retarget.core.layering import Layer
 from morph_retarget.core.locomotion.course import Course
 from morph_retarget.core.locomotion.moving import UP
@@ -20,7 +19,8 @@ from morph_retarget.core.locomotion.stepping.legs import Leg
 from morph_retarget.core.morph.bind import GeneralizedAction, bind
 from morph_retarget.core.morph.channels import Values
 from morph_retarget.core.play import Played
-from morph_retarget.core.skeleton import Pose, pose_from_basis
+from morph_retarget.core.skeleton import Pose
+from morph_retarget.core.verdicts.played import rebuilt
 from tests.gait_courses import Trial
 from tests.goal_sets import Subject
 
@@ -134,18 +134,6 @@ def _played(subject: Subject, made: Gait, course: Course, times: Array) -> Playe
     count = len(times)
     nothing = Values(np.empty((count, 0, 3)), np.empty((count, 0, 4)), np.empty((count, 0)))
     return play.evaluate(part, nothing, {}, layer)
-
-
-def rebuilt(character: Character, played: Played) -> Pose:
-    """Return the pose that keys make, armature space, by forward kinematics alone."""
-    skeleton, frames = character.skeleton, len(played.basis)
-    rotations, locations = quat.identity(frames, len(skeleton)), np.zeros((frames, len(skeleton), 3))
-    rotations[:, played.bones] = played.basis
-    locations[:, played.root] = quat.rotate(quat.conjugate(skeleton.rest_rotations[played.root]), played.shift)
-    if played.stretched is not None:
-        own = played.stretched.bones
-        locations[:, own] = quat.rotate(quat.conjugate(skeleton.rest_rotations[own]), played.stretched.shifts)
-    return pose_from_basis(skeleton, rotations, locations)
 
 
 # --- stances as they were planned ---

@@ -13,6 +13,7 @@ import numpy as np
 
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array, Indices
+from morph_retarget.core.character import girdles
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.morphology import Capability, Limb, LimbKind
@@ -132,7 +133,7 @@ class Subject:
         return tuple(self._hinged(m) for m in whole if list(parents[list(m.bones[1:])]) == list(m.bones[:-1]))
 
     def _hinged(self, limb: Limb) -> Hinged:
-        shoulders = {self.character.bone(f"{side}Shoulder") for side in ("left", "right")}
+        shoulders = girdles.find(self.character, self.bodies.positions)
         line = [bone for bone in limb.bones if bone not in shoulders]
         mapped = {self.character.bone(f"{s}{j}") for s in ("left", "right") for j in ("LowerArm", "LowerLeg")}
         # Between the joints of a limb that is known there are twist bones, which do not bend.
@@ -191,9 +192,14 @@ class Sets:
 
     def toward(self, start: int, end: int, steps: int) -> "Sets":
         """Return the way from one set to another over turns of joints: goals can be met all along."""
+        return self.ways([start], [end], steps)
+
+    def ways(self, starts: Sequence[int], ends: Sequence[int], steps: int) -> "Sets":
+        """Return such ways one after the other, as one batch; see `toward`."""
         share = np.linspace(0.0, 1.0, steps + 1)[:, None]
-        own = quat.slerp(self.own[[start]], self.own[[end]], share)
-        return Sets(self.subject, own, self.shift[[start]] + share * (self.shift[end] - self.shift[start]))
+        own = quat.slerp(self.own[starts][:, None], self.own[ends][:, None], share)
+        shift = self.shift[starts][:, None] + share * (self.shift[ends] - self.shift[starts])[:, None]
+        return Sets(self.subject, own.reshape(-1, *own.shape[2:]), shift.reshape(-1, 3))
 
     def straight(self, start: int, end: int, steps: int) -> Goals:
         """Return the straight way of all goals from one set to another: not all of it can be met."""

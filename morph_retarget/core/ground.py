@@ -6,6 +6,10 @@ import numpy as np
 
 from .arrays import Array
 
+OFF_GROUND = 0.1
+"""Of a character that rests lower than this share of its size below z = 0, nobody knows where its ground is: it flies
+or swims about its origin."""
+
 Ground = Callable[[Array], Array]
 """Height of the ground under points [m], shape (n, 3) to shape (n,), in their own space; NaN where there is none."""
 

@@ -22,8 +22,10 @@ from .morph.bind import Binding
 from .morph.bodies import Bodies
 from .morph.channels import Values
 from .morph.specialize import Deforms
-from .solve import posing
+from .solve import ground_phase, posing
 from .solve.goals import Goals
+from .solve.ground_phase import Lifting
+from .solve.hierarchy import Hierarchy
 from .solve.limits import JointLimits
 from .solve.posing import BodyPose
 from .solve.settings import DEFAULT, SolverSettings
@@ -38,6 +40,8 @@ class Part:
     pose: posing.Plan
     first: "Part | None" = None
     """The channels that have to be played before this one's targets are known, None when none have to."""
+    lifting: Lifting | None = None
+    """What is turned up where it would be below the ground, None when nothing is."""
 
     @property
     def bodies(self) -> Bodies:
@@ -148,13 +152,19 @@ def prepare(
     bodies = binding.bodies
     wanted: dict[int, tuple[bool, bool]] = {}
     for entry in binding.entries:
-        position, rotation = wanted.get(entry.body, (False, False))
-        wanted[entry.body] = (position or entry.position, rotation or entry.rotation)
+        channel, (position, rotation) = binding.action.channels[entry.channel], wanted.get(entry.body, (False, False))
+        # Channels without weight only keep others from posing what they own.
+        position |= entry.position and channel.position_weight > 0.0
+        rotation |= entry.rotation and channel.rotation_weight > 0.0
+        wanted[entry.body] = (position, rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
     both = layering.wanted(goals, lower)
     root = lower[0][0] if lower else root_of(bodies)
     pose = posing.prepare(character, bodies.positions, root, both, settings, limits, fixed)
-    return Part(character, binding, pose, first)
+    lifting = None
+    if settings.keeps_above_ground and not lower:
+        lifting = Lifting.of(Hierarchy(character, bodies.positions, root, frozenset(fixed)), pose)
+    return Part(character, binding, pose, first, lifting)
 
 
 def root_of(bodies: Bodies) -> int:
@@ -175,6 +185,8 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array], lower: L
     followed = _followed(part, values, seen)
     goals = _goals(part, values, seen, followed, lower)
     pose = posing.solve(part.pose, goals)
+    if part.lifting is not None:
+        pose = ground_phase.lifted(part.lifting, pose)
     turns, above = pose.rotations.take(part.leaders, axis=1), part.carried(pose)
     # A basis rotation is what a bone turns beyond its parent, seen in its own rest frame.
     basis = quat.from_matrix(rotation.transposed(above @ part.rest_frames) @ turns @ part.rest_frames)

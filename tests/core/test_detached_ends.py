@@ -346,6 +346,16 @@ def test_a_foot_that_cannot_move_stays_where_it_hangs() -> None:
     assert quat.length(pose.positions[:, foot] - loose.rest[foot]).max() < 1e-9
 
 
+def test_thighs_that_cannot_move_and_legs_without_knees_stay_where_they_hang() -> None:
+    """Nothing could make up for what the hips do."""
+    whole = _figure("leftUpperLeg", "rightUpperLeg")
+    hips, thigh = whole.skeleton.index["hips"], whole.skeleton.index["leftUpperLeg"]
+    assert detached.carried(whole, hips).parents[thigh] == hips
+    assert detached.carried(whole, hips, fixed=(thigh,)).parents[thigh] == whole.skeleton.index["root"]
+    stiff = replace(whole, limbs=tuple(replace(limb, bones=limb.bones[-2:]) for limb in whole.legs))
+    assert detached.carried(stiff, hips) is whole.skeleton.tree
+
+
 def test_feet_without_a_parent_are_brought_to_their_goals() -> None:
     whole = _figure(*ENDS)
     index, parents = whole.skeleton.index, whole.skeleton.parents.copy()
@@ -357,17 +367,21 @@ def test_feet_without_a_parent_are_brought_to_their_goals() -> None:
     assert quat.length(places[:, goals.bodies] - goals.positions).max() < EXACT * loose.subject.bodies.size
 
 
-def test_shins_that_hang_on_the_root_are_brought_along() -> None:
-    """With the feet that hang on them: some rigs have an ankle for their inverse kinematics, and a foot beyond it."""
+@pytest.mark.parametrize("parts", [("LowerLeg", "LowerArm"), ("UpperLeg",)])
+def test_shins_and_thighs_that_hang_on_the_root_are_brought_along(parts: tuple[str, ...]) -> None:
+    """With the feet that hang on them: some rigs have an ankle for their inverse kinematics, and a foot beyond it.
+
+    Thighs hang beside the hips there, and yet the hips take them along.
+    """
     whole, rng = Subject(_figure()), np.random.default_rng(1)
     index, parents = whole.character.skeleton.index, whole.character.skeleton.parents.copy()
-    shins = [index[side + shin] for side in ("left", "right") for shin in ("LowerLeg", "LowerArm")]
-    parents[shins] = index["root"]
+    loose = [index[side + part] for side in ("left", "right") for part in parts]
+    parents[loose] = index["root"]
     character = replace(whole.character, skeleton=replace(whole.character.skeleton, parents=parents))
     goals = goal_sets.random_sets(whole, rng, 60).goals
     wanted = [(body, True, True) for body in goals.bodies.tolist()]
     part = play.prepare(character, bind(GeneralizedAction("Nothing", ()), whole.bodies), lower=wanted)
-    assert set(part.pose.detached) == set(shins)
+    assert set(part.pose.detached) == set(loose)
     places, turns = pose_measures.written(character, _played(part, goals))
     pose = posing.solve(posing.prepare(whole.character, whole.bodies.positions, whole.root, wanted), goals)
     assert np.abs(places - pose.positions).max() < 1e-9

@@ -13,6 +13,7 @@ from morph_retarget.core import quat
 from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.frame import Placement
+from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.locomotion.stepping import legs
 from morph_retarget.core.locomotion.stepping.legs import LEAST_HEIGHT, NONE, Leg, Legs
 from tests.morph_bodies import real_characters
@@ -202,6 +203,13 @@ def test_a_spider_stands_on_the_tips_of_its_legs(data: Path) -> None:
         assert "tip" in character.skeleton.names[leg.foot]
         assert (leg.heel == leg.tip).all()
         assert leg.home[2] < 0.05 * leg.length
+
+
+def test_a_spider_has_the_feet_that_it_stands_on_in_actions_as_well(data: Path) -> None:
+    character = real_characters(data)["m2m_spider"]
+    names = {name for name, tags in character.capabilities.items() if Capability.FOOT in tags}
+    assert names == {character.skeleton.names[leg.foot] for leg in legs.find(character).legs}
+    assert len(names) == 8
 
 
 def test_animals_on_their_toes_have_no_ball_and_stand_on_the_ground(data: Path) -> None:

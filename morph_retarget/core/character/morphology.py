@@ -95,6 +95,9 @@ NAMED_FOOT_HEIGHT = 0.25
 """The same for a bone that is called foot or paw, above one that is called neither toe nor foot …"""
 FOOT_ABOVE_TOE_HEIGHT = 0.10
 """… and above one that is called toe: a high "foot" over a toe is a hock."""
+NO_FOOT_HEIGHT = 0.25
+"""A last bone that starts higher than this is a shank, and the marker of its end on the ground is the foot: so it is
+with legs that end in a point, as those of spiders do."""
 
 
 @dataclass(frozen=True)
@@ -251,8 +254,15 @@ def _end_at_foot(body: Body, branch: Branch) -> tuple[tuple[int, ...], tuple[int
     limit = FOOT_ABOVE_TOE_HEIGHT if evidence.readings[line[foot]].has(Sense.TOE) else NAMED_FOOT_HEIGHT
     while foot > 1 and named[foot - 1] and rise[foot - 1] < limit:
         foot -= 1
+    if rise[foot] > NO_FOOT_HEIGHT:
+        ends = [b for b in evidence.tree.children[line[foot]] if b in branch.bones or b in branch.digits]
+        reaching = [b for b in ends if float(body.points[b, 2]) < FOOT_HEIGHT * float(body.points[line, 2].max())]
+        if len(reaching) == 1:
+            line = [*line[: foot + 1], *reaching]
+            foot += 1
+    own = line[: foot + 1]
     beyond = (*line[foot + 1 :], *(b for b in branch.bones if b not in line), *branch.digits)
-    return tuple(line[: foot + 1]), tuple(beyond)
+    return tuple(own), tuple(bone for bone in beyond if bone not in own)
 
 
 def _end_at_hand(evidence: Evidence, branch: Branch) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -14,8 +14,8 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array, Indices
+from ..character import girdles
 from ..character.character import Character
-from ..character.morphology import Limb
 
 THICK, THIN = 0.08, 0.055
 """Radii of a limb's first and last bone, as shares of its length."""
@@ -143,7 +143,7 @@ def _of_trunk(character: Character, rest: Array) -> Iterator[_Capsule]:
     bones = [(a, b) for b, a in above.items() if a is not None and np.linalg.norm(rest[a] - rest[b]) > _TINY]
     spine = [(a, b) for a, b in bones if a in character.spine]
     length = sum(float(np.linalg.norm(rest[b] - rest[a])) for a, b in spine)
-    starts = [rest[_hinged(character, limb)[0]] for limb in character.limbs]
+    starts = [rest[line[0]] for line in _hinged(character, rest)]
     aside = [min((_distance(p, rest[a], rest[b]) for a, b in spine), default=0.0) for p in starts]
     broad = min(max(BROAD * max(aside, default=0.0), SLIM * length), FAT * length)
     for a, b in bones:
@@ -157,7 +157,7 @@ def _of_trunk(character: Character, rest: Array) -> Iterator[_Capsule]:
 
 def _of_limbs(character: Character, rest: Array) -> Iterator[_Capsule]:
     """Yield the capsules of limbs, from where they start to their hands, feet or tips."""
-    lines = [_hinged(character, limb) for limb in character.limbs]
+    lines = _hinged(character, rest)
     starts = [rest[line[0]] for line in lines]
     for i, line in enumerate(lines):
         lengths = [float(np.linalg.norm(rest[b] - rest[a])) for a, b in pairwise(line)]
@@ -169,10 +169,10 @@ def _of_limbs(character: Character, rest: Array) -> Iterator[_Capsule]:
                 yield _Capsule(a, rest[a], rest[b], radius)
 
 
-def _hinged(character: Character, limb: Limb) -> Sequence[int]:
-    """Return the bones of a limb without a girdle, which lies in the trunk."""
-    girdles = {character.bone("leftShoulder"), character.bone("rightShoulder")}
-    return limb.bones[1:] if len(limb.bones) > 2 and limb.bones[0] in girdles else limb.bones
+def _hinged(character: Character, rest: Array) -> list[tuple[int, ...]]:
+    """Return the bones of all limbs without their girdles, which lie in the trunk."""
+    inside = girdles.find(character, rest)
+    return [m.bones[1:] if len(m.bones) > 2 and m.bones[0] in inside else m.bones for m in character.limbs]
 
 
 def _distance(point: Array, start: Array, end: Array) -> float:

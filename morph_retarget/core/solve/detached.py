@@ -1,7 +1,8 @@
 """Feet and hands that do not hang on their limbs: where inverse kinematics was baked, they hang on the root bone.
 
 Such a body is solved as if its limb carried it, so it has all that other feet and hands have. What is special is how
-it is written: moved as well as turned, since what it really hangs on does not bring it there.
+it is written: moved as well as turned, since what it really hangs on does not bring it there. The same goes for thighs
+that hang beside the hips, on what carries these.
 """
 
 from collections.abc import Collection
@@ -13,10 +14,12 @@ from ..tree import Tree
 GAP = 0.01
 """Share of a limb's length by which such a body leaves the end of its limb for a goal: a little more than limbs slow
 down by within their own lengths. Where these end, it stays with its limb, which must not fall apart."""
+KNEED = 3
+"""Bones of a leg that has a knee, its foot among them."""
 
 
 def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tree:
-    """Return what carries which body when it is solved: parents do, and limbs carry their feet and hands.
+    """Return what carries which body when it is solved: parents do, limbs their feet and hands, and the root its legs.
 
     Args:
         character: What the rig is.
@@ -36,4 +39,23 @@ def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tre
                 parents = out.parents.copy()
                 parents[bone if stays & {*line} else line[-1]] = above
                 out = Tree(parents)
-    return out
+    return _with_legs(character, out, root, stays)
+
+
+def _with_legs(character: Character, tree: Tree, root: int, stays: Collection[int]) -> Tree:
+    """Return the tree with legs that hang beside the root, on what carries it, hung on it: hips take thighs along.
+
+    Legs without knees stay where they are: nothing could make up for what the hips do.
+    """
+    above = {*tree.ancestors[root]}
+    for leg in character.legs:
+        first = leg.bones[0]
+        is_carried = first == root or tree.is_below(root, first)
+        if is_carried or len(leg.bones) < KNEED or above.isdisjoint(tree.ancestors[first]):
+            continue
+        top = next(b for b in (first, *tree.ancestors[first]) if tree.parents[b] in above)
+        if not {top, first} & {*stays}:
+            parents = tree.parents.copy()
+            parents[top] = root
+            tree = Tree(parents)
+    return tree

@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array
+from ..character import girdles
 from ..character.character import Character
 from ..character.morphology import Capability, Limb
 from ..tree import Tree
@@ -140,6 +141,6 @@ class Hierarchy:
         return [tuple(bone for bone in row if bone is not None) for row in found if None not in row]
 
     @cached_property
-    def _girdles(self) -> set[int | None]:
+    def _girdles(self) -> frozenset[int]:
         """Shoulders, which lie in the trunk."""
-        return {self.character.bone("leftShoulder"), self.character.bone("rightShoulder")}
+        return girdles.find(self.character, self.rest)

@@ -42,6 +42,9 @@ class SolverSettings(LimbSettings):
     """Most that a branch point twists about the spine for them [degrees]."""
     avoids_collisions: bool = False
     """Whether limbs swivel, their ends where they are, out of the trunk, the head and each other."""
+    keeps_above_ground: bool = True
+    """Whether what nothing brings to a place, as fingers, tails and wings, is turned up where it would be below the
+    ground: of an action alone, whose ground is level. A gait knows its own ground."""
     margin: float = 0.05
     """By how much further than touching they keep apart, as a share of their radii."""
     most_swivel: float = 75.0

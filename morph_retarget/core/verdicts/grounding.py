@@ -3,13 +3,9 @@
 import numpy as np
 
 from ..arrays import Array
-from ..ground import heights_on
+from ..ground import OFF_GROUND, heights_on
 from .performance import Performance
 from .verdict import Found
-
-OFF_GROUND = 0.1
-"""Of a character that rests lower than this share of its size below z = 0, nobody knows where its ground is: it flies
-or swims about its origin."""
 
 
 def sunk(performance: Performance) -> Found:

@@ -11,10 +11,8 @@ import numpy as np
 
 from .. import quat
 from ..arrays import Array, Flags, Indices
+from ..character import flesh
 from ..character.character import Character
-from ..character.joint_names import is_thing
-from ..character.morphology import Capability
-from ..character.names import read_names
 from ..ground import Ground
 from ..locomotion.stepping import legs
 from ..locomotion.stepping.legs import Leg
@@ -102,32 +100,13 @@ class Performance:
 
     @cached_property
     def body(self) -> Indices:
-        """The root and all of the body that it carries, shape (n,).
-
-        Hair, clothes, props and controls, as their names say it, are none of the body unless they carry some of it.
-        """
-        tree, known = self.hierarchy.tree, {self.root, *self._known}
-        known |= {above for bone in known for above in tree.ancestors[bone]}
-        readings = enumerate(read_names(self.names))
-        things = {bone for bone, reading in readings if bone not in known and is_thing(reading)}
-        own = [b for b in tree.below(self.root) if things.isdisjoint((b, *tree.ancestors[b]))]
-        return np.array([self.root, *own], dtype=np.intp)
+        """The root and all of the body that it carries, no hair, clothes and props, shape (n,)."""
+        return flesh.body(self.character, self.hierarchy.tree, self.root)
 
     @cached_property
     def flesh(self) -> Indices:
         """The same without what only carries the body, as bones on the ground between the feet do, shape (n,)."""
-        own, index, tree = self.character, self.character.skeleton.index, self.hierarchy.tree
-        parts = {index[name] for name, tags in own.capabilities.items() if {*tags} - {Capability.ROOT}}
-        parts |= {index[match.bone] for match in own.joints.values()}
-        body: list[int] = self.body.tolist()
-        flesh = [bone for bone in body if not parts.isdisjoint((bone, *tree.ancestors[bone]))]
-        return np.array(flesh or self.body, dtype=np.intp)
-
-    @property
-    def _known(self) -> set[int]:
-        """Bones that are a joint or can do something."""
-        own, index = self.character, self.character.skeleton.index
-        return {index[match.bone] for match in own.joints.values()} | {index[name] for name in own.capabilities}
+        return flesh.flesh(self.character, self.hierarchy.tree, self.root)
 
     @cached_property
     def legs(self) -> Sequence[Leg]:
