@@ -39,8 +39,8 @@ def wave_by_hand() -> Act:
     channel = Channel(
         "Hand", GRASPER, limb(), poses_rotation=False, varies=True, variant_group="hand", mirror=MirrorRule.LEFT
     )
-    up = {1: REST, 6: (0.02, 0.06, -0.07), 18: (-0.22, -0.16, 0.85)}
-    swings = {23: -0.12, 30: -0.38, 37: -0.12, 44: -0.38, 51: -0.2}
+    up = {1: REST, 6: (0.0, 0.02, -0.04), 12: (0.08, -0.3, 0.35), 18: (-0.24, -0.16, 0.82)}
+    swings = {23: -0.15, 30: -0.38, 37: -0.15, 44: -0.38, 51: -0.22}
     sways = {8: 0.0, 18: 0.0, 26: 24.0, 33: -18.0, 40: 24.0, 47: -18.0, 54: 0.0}
     sideways = {frame: float(np.radians(angle)) for frame, angle in sways.items()}
     return Act(
@@ -56,8 +56,8 @@ def wave_by_hand() -> Act:
             Track(
                 channel,
                 up
-                | {frame: (x, -0.16, 0.8 + 0.05 * (i % 2)) for i, (frame, x) in enumerate(swings.items())}
-                | {66: (0.02, 0.03, -0.06), 72: REST},
+                | {frame: (x, -0.16, 0.78 + 0.05 * (i % 2)) for i, (frame, x) in enumerate(swings.items())}
+                | {66: (-0.02, 0.02, -0.04), 72: REST},
             ),
             palms(
                 {f: facing((np.sin(a), -0.1, np.cos(a)), (0.0, 1.0, 0.0)) for f, a in sideways.items()},

@@ -22,7 +22,7 @@ def jump() -> Act:
         blend_group="root",
     )
     crouch = Channel("Root", Context(Capability.ROOT), limb(ground_relative=True), blend_group="root")
-    grounded = {1: 1.0, off - 1: 1.0, off + 1: 0.0, down - 1: 0.0, down + 1: 1.0}
+    grounded = {1: 1.0, off - 2: 1.0, off + 3: 0.0, down - 3: 0.0, down + 1: 1.0}
     return Act(
         "Jump",
         66,
@@ -53,15 +53,15 @@ def jump() -> Act:
                 crouch,
                 {
                     1: REST,
-                    low: (0, 0.5, 0.32),
-                    low + 2: (0, 0.5, 0.33),
+                    low: (0, 0.5, 0.23),
+                    low + 2: (0, 0.5, 0.24),
                     off: (0, -0.1, -0.12),
                     down: (0, 0, -0.1),
-                    45: (0, 0.45, 0.3),
+                    45: (0, 0.45, 0.22),
                     57: (0, 0, -0.02),
                     66: REST,
                 },
-                {1: REST, low: (12, 0, 0), off: (-4, 0, 0), down: (2, 0, 0), 45: (8, 0, 0), 58: REST},
+                {1: REST, low: (8, 0, 0), off: (-4, 0, 0), down: (2, 0, 0), 45: (6, 0, 0), 58: REST},
                 {1: 1.0, off - 1: 1.0, off + 1: 0.0, down - 1: 0.0, down + 1: 1.0},
             ),
             Track(rising, leap, weight={1: 0.0, off - 1: 0.0, off + 1: 1.0, down - 1: 1.0, down + 1: 0.0}),
@@ -211,6 +211,7 @@ def sit_on_haunches() -> Act:
             neck({1: REST, 8: (6, 0, 0), 30: (-8, 0, 0), 52: (-8, 0, 0), 76: REST}),
             head({1: REST, 10: (8, 0, 0), 32: (-4, 0, 0), 38: (0, 8, 0), 46: (0, 8, 0), 54: REST, 78: REST}),
             ears({1: REST, 28: (14, 0, 0), 34: (-4, 0, 0), 60: (10, 0, 0), 72: REST}),
+            wings({1: REST, 20: (0, -8, 0), 32: (0, 4, 0), 52: (0, 2, 0), 64: (0, -8, 0), 76: REST}),
         ),
         {"seated": 28},
         movement="Sit",
@@ -220,10 +221,10 @@ def sit_on_haunches() -> Act:
 
 def dance() -> Act:
     """Sway on the spot, over and over: from the hips outward everything follows later and farther."""
-    pump = (0.06, -0.1, 0.24)
+    pump = (0.06, -0.1, 0.22)
     sway = (0.0, 0.75, 1.0, 0.75, 0.0, -0.75, -1.0, -0.75, 0.0)
     swaying = {
-        frame: (0.9 * x, y, z)
+        frame: (0.76 * x, y, z)
         for x, (frame, (_, y, z)) in zip(sway, _bounce((0, 0, 0.06), 0, (0, 0, 0.12)).items(), strict=True)
     }
     hands = [
