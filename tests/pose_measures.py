@@ -64,9 +64,15 @@ def length_errors(subject: Subject, places: Array) -> Array:
     return error / np.maximum(rest, 1e-3 * HUMAN * subject.scale)
 
 
-def step_turns(turns: Array) -> Array:
-    """Return the most that any body turns from each frame to the next [rad], shape (frame - 1,)."""
-    return quat.angle_between(turns[1:], turns[:-1]).max(axis=1, initial=0.0)
+def step_turns(turns: Array, ways: int = 1) -> Array:
+    """Return the most that any body turns from each frame to the next [rad], shape (frame - ways,).
+
+    Args:
+        turns: Shape (frame, body, 4).
+        ways: So many of the same length follow each other; nothing is said of what lies between two.
+    """
+    own = turns.reshape(ways, -1, *turns.shape[1:])
+    return quat.angle_between(own[:, 1:], own[:, :-1]).max(axis=2, initial=0.0).ravel()
 
 
 def goal_motion(subject: Subject, goals: Goals) -> Array:

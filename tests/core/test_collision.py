@@ -272,11 +272,10 @@ def test_a_pose_does_not_depend_on_other_frames(subject: Subject) -> None:
 
 def test_small_steps_of_goals_are_small_steps_of_joints(subject: Subject) -> None:
     sets, plain, plan = goal_sets.random_sets(subject, np.random.default_rng(8), 21), _plain(subject), _plan(subject)
-    for start in range(20):
-        goals = sets.toward(start, start + 1, 100).goals
-        free, pose = (posing.solve(p, goals).turns for p in (plain, plan))
-        more = quat.angle_between(pose[1:], pose[:-1]) - quat.angle_between(free[1:], free[:-1])
-        assert np.degrees(more.max()) <= JUMP
+    goals = sets.ways(range(20), range(1, 21), 100).goals
+    free, pose = (posing.solve(p, goals).turns.reshape(20, 101, -1, 4) for p in (plain, plan))
+    more = quat.angle_between(pose[:, 1:], pose[:, :-1]) - quat.angle_between(free[:, 1:], free[:, :-1])
+    assert np.degrees(more.max()) <= JUMP
 
 
 @pytest.mark.parametrize("name", ["biped", "hound", "beetle", "bird", "asura", "human"])

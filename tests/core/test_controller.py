@@ -289,7 +289,7 @@ def test_many_changes_in_a_short_time_keep_the_tree_small_and_the_pose_smooth() 
 
 @pytest.mark.parametrize("block", range(6))
 def test_random_commands_end_without_an_error_a_number_that_is_none_or_a_token_left(block: int) -> None:
-    for seed in range(40 * block, 40 * (block + 1)):
+    for seed in range(20 * block, 20 * (block + 1)):
         commands = random_commands(seed)
         performance = perform(library(), commands)
         end = performance.segments[-1].start

@@ -255,9 +255,8 @@ def test_mirrored_goals_make_the_mirrored_pose(name: str) -> None:
 def test_small_steps_of_goals_are_small_steps_of_joints(subject: Subject) -> None:
     """On a way from set to set, a hundredth of it turns nothing by 20 degrees."""
     sets = _sets(subject, 8)
-    for start in range(0, 8, 2):
-        pose = solved(subject, sets.toward(start, start + 1, 100).goals)
-        assert np.degrees(pose_measures.step_turns(pose.turns).max()) <= JUMP
+    pose = solved(subject, sets.ways(range(0, 8, 2), range(1, 8, 2), 100).goals)
+    assert np.degrees(pose_measures.step_turns(pose.turns, 4).max()) <= JUMP
 
 
 @pytest.mark.parametrize("step", [1e-3, 1e-5])
@@ -381,7 +380,7 @@ def test_frames_in_any_order_have_the_same_poses(subject: Subject) -> None:
 def test_frames_one_by_one_have_the_poses_of_a_batch(subject: Subject) -> None:
     goals = _goals_of_all_kinds(subject)
     pose = solved(subject, goals)
-    for frame in range(0, len(goals), 3):
+    for frame in range(0, len(goals), 8):
         one = slice(frame, frame + 1)
         same = _same(solved(subject, rows(goals, one)), pose, one)
         assert same, frame
