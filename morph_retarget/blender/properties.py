@@ -301,7 +301,7 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         ],
     )
     selected_only: BoolProperty(
-        name="Selected Bones Only",
+        name="Selected Bones",
         description="Move only the bones of the target that are selected; all others keep their animation",
     )
     onto: EnumProperty(

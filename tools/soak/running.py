@@ -24,8 +24,8 @@ from .operations import OPERATIONS, World, new
 
 WEIGHED_EVERY = 250
 """Operations between looks at the memory; then nothing is open."""
-WARM = 500
-"""Operations before the first look that counts: until then, caches fill."""
+WARM = 1000
+"""Operations before the first look that counts: until then, caches fill, such as that of libraries of 16 characters."""
 _MB = 1024.0
 
 

@@ -320,7 +320,7 @@ MESSAGES: dict[str, str] = {
     "Secondary Relative": "相对目标",
     "Select Bodies": "选择部位",
     "Select an armature, then press New": "请选择骨架，然后按“新建”",
-    "Selected Bones Only": "仅所选骨骼",
+    "Selected Bones": "所选骨骼",
     "Serpentine": "蛇行",
     "Setspace": "集合空间",
     "Setting": "设置",

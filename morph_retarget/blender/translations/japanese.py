@@ -320,7 +320,7 @@ MESSAGES: dict[str, str] = {
     "Secondary Relative": "ターゲット基準",
     "Select Bodies": "部位を選択",
     "Select an armature, then press New": "アーマチュアを選択して「新規」を押してください",
-    "Selected Bones Only": "選択ボーンのみ",
+    "Selected Bones": "選択ボーン",
     "Serpentine": "蛇行",
     "Setspace": "集合空間",
     "Setting": "設定",
