@@ -93,9 +93,7 @@ def test_a_script_becomes_commands_empties_and_warnings(
     assert "dance.toml, line " in capfd.readouterr().out
 
 
-def test_what_is_wrong_with_a_command_is_told_with_its_line_in_the_script(
-    ob: bpy.types.Object, tmp_path: Path
-) -> None:
+def test_what_is_wrong_with_a_command_is_told_with_its_line_in_the_script(ob: bpy.types.Object, tmp_path: Path) -> None:
     path = tmp_path / "dance.toml"
     path.write_text("[[command]]\nat = 1.0\nstart = 'fly'\n")
     ops.import_commands(filepath=str(path))
