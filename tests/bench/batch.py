@@ -81,7 +81,7 @@ def _memory(folder: Path, clips: Sequence[Path], rigs: Sequence[Path]) -> list[F
     told: queue.SimpleQueue[tuple[Process, dict[str, object] | None]] = queue.SimpleQueue()
     process = Process([*worker.command(), WORKER], worker.environment(), told)
     shortest = sorted(clips, key=lambda path: path.stat().st_size)[:3]
-    pairs = [(clip, rig) for clip in shortest for rig in rigs]
+    pairs = [(clip, rig) for clip in shortest for rig in rigs[:2]]
     weights: list[tuple[int, float]] = []
     try:
         told.get()
