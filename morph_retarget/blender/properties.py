@@ -1,6 +1,7 @@
 """What users set in the window and files keep: one group on scenes, one on objects."""
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from typing import Any
 
@@ -44,10 +45,25 @@ listeners: list[Callable[[bpy.types.Scene], None]] = []
 """Called after a setting has changed that a live pose depends on."""
 
 
+_together: list[bool] = []
+"""Not empty while several settings are changed, of which is told once."""
+
+
 def _changed(_: object, context: bpy.types.Context) -> None:
-    if context.scene is not None:
+    if context.scene is not None and not _together:
         for listener in listeners:
             listener(context.scene)
+
+
+@contextlib.contextmanager
+def together() -> Generator[None]:
+    """Tell once of all that is changed meanwhile: each time, a live target is given its motion anew."""
+    _together.append(True)
+    try:
+        yield
+    finally:
+        _together.pop()
+    _changed(None, bpy.context)
 
 
 def _chosen_by_user(joint: "MORPHRETARGET_PG_joint", context: bpy.types.Context) -> None:
@@ -143,13 +159,14 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
         """Fill the list with what was found; all joints are listed, those without a bone too."""
         given = {joint.name: joint.by for joint in self.joints if joint.by in BY_USER}
         controls, further = self.controls(), {joint.name: joint.also for joint in self.joints}
-        self.joints.clear()
-        for name in PARENTS:
-            match = character.joints.get(name) or JointMatch("", 0.0, "")
-            joint = self.joints.add()
-            joint.name, joint.bone = name, match.bone
-            joint.confidence, joint.by = match.confidence, given.get(name, match.by)
-            joint.control, joint.also = controls.get(name, ""), further.get(name, "")
+        with together():
+            self.joints.clear()
+            for name in PARENTS:
+                match = character.joints.get(name) or JointMatch("", 0.0, "")
+                joint = self.joints.add()
+                joint.name, joint.bone = name, match.bone
+                joint.confidence, joint.by = match.confidence, given.get(name, match.by)
+                joint.control, joint.also = controls.get(name, ""), further.get(name, "")
         self.active_joint = min(self.active_joint, len(self.joints) - 1)
         self.kind = "Humanoid" if character.humanoid else f"Creature, {len(character.legs)} legs"
 
@@ -179,11 +196,12 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
         joint = self.joints.get(name)
         if joint is None:
             raise MappingError(f"joint {name!r} is not in the list: analyze the rig, and use VRM 1.0 names")
-        for other in self.joints:
-            if bone and other.bone == bone and other.name != name:
-                other.bone = ""
-        joint.bone = bone
-        joint.by = by
+        with together():
+            for other in self.joints:
+                if bone and other.bone == bone and other.name != name:
+                    other.bone = ""
+            joint.bone = bone
+            joint.by = by
 
 
 class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):

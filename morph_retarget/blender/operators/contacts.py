@@ -8,7 +8,7 @@ from bpy.props import IntProperty, StringProperty
 from ...core.errors import MotionError
 from .. import collect, contacts
 from ..contacts import Contact
-from ..properties import MORPHRETARGET_PG_rig, of_rig, of_scene
+from ..properties import MORPHRETARGET_PG_rig, of_rig, of_scene, together
 from .manners import PLACE, Status, place_meant, refuse, reporting, scene_in
 from .stepping import Stepping
 
@@ -39,11 +39,12 @@ class MORPHRETARGET_OT_detect_contacts(Stepping, bpy.types.Operator):
     def finish(self, _: bpy.types.Context, result: tuple[bpy.types.Object, str, list[Contact]]) -> Status:
         ob, action, found = result
         settings = of_rig(ob)
-        settings.contacts.clear()
-        settings.contacts_action = action
-        for contact in found:
-            item = settings.contacts.add()
-            item.name, item.start, item.end = contact.foot, round(contact.start), round(contact.end)
+        with together():
+            settings.contacts.clear()
+            settings.contacts_action = action
+            for contact in found:
+                item = settings.contacts.add()
+                item.name, item.start, item.end = contact.foot, round(contact.start), round(contact.end)
         self.report({"INFO"}, f"{len(found)} contacts found in {action!r}")
         return {"FINISHED"}
 

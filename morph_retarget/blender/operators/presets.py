@@ -9,7 +9,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ...core.character import joints as joint_names
 from ...core.errors import FileError, MappingError, RigError
 from .. import collect, presets, rig
-from ..properties import of_rig
+from ..properties import of_rig, together
 from .manners import Status, refuse, reporting, rig_meant, scene_in, shown_rig
 from .rigs import analyze
 
@@ -31,13 +31,14 @@ def _use(context: bpy.types.Context, ob: bpy.types.Object, path: Path) -> None:
     missing = [bone for bone in controls.values() if bone not in skeleton.index]
     if missing:
         raise MappingError(f"{path}: names the control {missing[0]!r}, which {ob.name!r} does not have: correct it")
-    if not of_rig(ob).joints:
-        of_rig(ob).show(collect.target_of(ob)[1])
-    for joint, bone in given.items():
-        of_rig(ob).assign(joint, bone, by="preset")
-    for joint, control in controls.items():
-        of_rig(ob).joints[joint].control = control
-    analyze(scene_in(context), ob)
+    with together():
+        if not of_rig(ob).joints:
+            of_rig(ob).show(collect.target_of(ob)[1])
+        for joint, bone in given.items():
+            of_rig(ob).assign(joint, bone, by="preset")
+        for joint, control in controls.items():
+            of_rig(ob).joints[joint].control = control
+        analyze(scene_in(context), ob)
 
 
 class MORPHRETARGET_OT_save_preset(bpy.types.Operator):
