@@ -12,7 +12,7 @@ from morph_retarget.core.clips.behaviours.steering import path_around
 from morph_retarget.core.clips.character_model import RATE
 from morph_retarget.core.errors import MotionError
 
-few = settings(max_examples=40, deadline=None)
+few = settings(max_examples=15, deadline=None)
 seeds = st.integers(0, 100_000)
 
 

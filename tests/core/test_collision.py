@@ -272,8 +272,8 @@ def test_a_pose_does_not_depend_on_other_frames(subject: Subject) -> None:
 
 def test_small_steps_of_goals_are_small_steps_of_joints(subject: Subject) -> None:
     sets, plain, plan = goal_sets.random_sets(subject, np.random.default_rng(8), 21), _plain(subject), _plan(subject)
-    goals = sets.ways(range(20), range(1, 21), 100).goals
-    free, pose = (posing.solve(p, goals).turns.reshape(20, 101, -1, 4) for p in (plain, plan))
+    goals = sets.ways(range(8), range(1, 9), 100).goals
+    free, pose = (posing.solve(p, goals).turns.reshape(8, 101, -1, 4) for p in (plain, plan))
     more = quat.angle_between(pose[:, 1:], pose[:, :-1]) - quat.angle_between(free[:, 1:], free[:, :-1])
     assert np.degrees(more.max()) <= JUMP
 

@@ -48,7 +48,7 @@ class _Parser(argparse.ArgumentParser):
     """Reports a usage error in one line, as all errors are reported."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(UNUSABLE, f"{self.prog}: {message}: see {self.prog} --help\n")
+        self.exit(UNUSABLE, f"{self.prog}: {' '.join(message.split())}: see {self.prog} --help\n")
 
 
 def parser() -> argparse.ArgumentParser:
