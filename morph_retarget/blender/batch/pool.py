@@ -87,7 +87,7 @@ class Pool:
             while self._waiting or self._busy():
                 self._fill()
                 try:
-                    process, message = self._told.get(timeout=_TICK)
+                    process, message = self._told.get(timeout=self._patience())
                 except queue.Empty:
                     yield from self._look_at_clock()
                     yield None
@@ -140,6 +140,14 @@ class Pool:
             yield Result(seat.task.job, Answer(Status.CRASHED, how, time.monotonic() - seat.since, log=lines))
         elif not seat.ready:
             self._failed_to_start(how)
+
+    def _patience(self) -> float:
+        """Return how long to wait for news: no longer than until a worker's time is over [s]."""
+        timeout, now = self._settings.timeout, time.monotonic()
+        if timeout is None:
+            return _TICK
+        left = (seat.since + timeout - now for seat in self._seats.values() if seat.task is not None)
+        return max(min([_TICK, *left]), 0.0)
 
     def _look_at_clock(self) -> Iterator[Result]:
         """End workers that take too long."""
