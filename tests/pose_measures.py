@@ -71,7 +71,7 @@ def step_turns(turns: Array, ways: int = 1) -> Array:
         turns: Shape (frame, body, 4).
         ways: So many of the same length follow each other; nothing is said of what lies between two.
     """
-    own = turns.reshape(ways, -1, *turns.shape[1:])
+    own = turns.reshape(ways, len(turns) // ways, *turns.shape[1:])
     return quat.angle_between(own[:, 1:], own[:, :-1]).max(axis=2, initial=0.0).ravel()
 
 
