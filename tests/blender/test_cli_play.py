@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
 from morph_retarget.blender.cli import data as extension
@@ -366,16 +367,40 @@ def test_deforms_come_with_the_action(cli: Command, out: Path, tmp_path: Path) -
     assert ob["open"] == pytest.approx(1.0)
 
 
-def test_the_module_plays_without_the_extension(stage: Stage, tall_glb: Path, tmp_path: Path) -> None:
-    made = subprocess.run(
-        [sys.executable, "-m", "morph_retarget", "play", str(stage.one), str(tall_glb), "-o", "x.glb"],
-        cwd=tmp_path,
+def _module(folder: Path, *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Run the module in a process of its own, where the extension is not switched on."""
+    return subprocess.run(
+        [sys.executable, "-m", "morph_retarget", *map(str, arguments)],
+        cwd=folder,
         env=os.environ | {"PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         check=False,
         timeout=60,
     )
+
+
+def test_the_module_plays_without_the_extension(stage: Stage, tall_glb: Path, tmp_path: Path) -> None:
+    made = _module(tmp_path, "play", stage.one, tall_glb, "-o", "x.glb")
     assert (made.returncode, made.stdout, made.stderr) == (0, "", "")
     assert (tmp_path / "x.glb").stat().st_size > 1000
     assert not hasattr(bpy.types.Action, "morph_retarget"), "nothing is left registered here either"
+
+
+def test_the_module_plays_scripts_without_the_extension_until_all_is_done(stage: Stage, tmp_path: Path) -> None:
+    script = tmp_path / "script.toml"
+    lines = ("0.0 start walk", "0.5 start jump", "1.0 stop walk", "1.2 start bow")
+    script.write_text("\n".join(f'[[command]]\ndo = "{line}"' for line in lines))
+    made = _module(tmp_path, "play", script, stage.hound, "-o", "x.blend", "--report", "r.json")
+    assert (made.returncode, made.stdout) == (0, "")
+    (report,) = _report(tmp_path / "r.json")
+    assert [warning.partition(": ")[2].split(" for ")[1] for warning in report["warnings"]] == [
+        "walk to end",
+        "jump to end",
+    ]
+    ob = results.reload(tmp_path / "x.blend")
+    seconds = scenes.seconds_of(ob)
+    assert seconds > 1.2 + 3.0, "the clip lasts until what had to wait is over"
+    last = seconds * bpy.context.scene.render.fps
+    poses = scenes.heads(ob, ob.pose.bones.keys(), [last - 2.0, last])
+    assert np.abs(poses[1] - poses[0]).max() < 0.01, "and it stands"

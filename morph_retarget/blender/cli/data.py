@@ -6,6 +6,8 @@ from collections.abc import Iterator
 import bpy
 
 from .. import properties
+from ..directing import walking
+from ..locomotion import guides
 
 
 @contextlib.contextmanager
@@ -17,9 +19,11 @@ def known() -> Iterator[None]:
     for cls in properties.CLASSES:
         bpy.utils.register_class(cls)
     properties.attach()
+    guides.guides.append(walking.GUIDE)
     try:
         yield
     finally:
+        guides.guides.remove(walking.GUIDE)
         properties.detach()
         for cls in reversed(properties.CLASSES):
             bpy.utils.unregister_class(cls)

@@ -1,15 +1,17 @@
 """Scripts of commands for the command line: characters that do what a file tells them."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
 
+from ...core.clips.character_model import RATE
 from ...core.errors import FileError
 from ...core.morph.bind import GeneralizedAction
 from .. import rig
-from ..directing import scripts
+from ..directing import scripts, walking
 from ..locomotion.properties import Source
 from ..morph import cast
 from ..properties import of_rig
@@ -18,7 +20,9 @@ from .locomotion import NoAction
 
 SUFFIXES = (scripts.TABLES, *scripts.MARKUP)
 AFTER = 3.0
-"""A character goes on for so long after its last command, where no frames are asked for [s]."""
+"""A character goes on for so long after its last command, where no frames are asked for [s] …"""
+TO_REST = 1.0
+"""… and for so long after the last motion has ended [s]."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +67,16 @@ def tell(source: ScriptFile, ob: bpy.types.Object) -> list[str]:
     return warnings
 
 
-def frames(ob: bpy.types.Object) -> tuple[int, int]:
-    """Return the first and last frame in which a character does what it was told."""
+def frames(characters: Sequence[bpy.types.Object]) -> tuple[int, int]:
+    """Return the first and last frame in which characters do what they were told, with what had to wait."""
     scene = rig.scene_of()
-    last = max((command.frame for command in of_rig(ob).directing.commands), default=scene.frame_start)
-    return scene.frame_start, math.ceil(last + AFTER / seconds_per_frame(scene))
+    last = max(_last(ob, scene) for ob in characters)
+    return scene.frame_start, math.ceil(last)
+
+
+def _last(ob: bpy.types.Object, scene: bpy.types.Scene) -> float:
+    rate = 1.0 / seconds_per_frame(scene)
+    commanded = max((command.frame for command in of_rig(ob).directing.commands), default=scene.frame_start)
+    performance = walking.performance_of(cast.member(ob), scene)
+    settled = scene.frame_start if performance is None else scene.frame_start + performance.settled / RATE * rate
+    return max(commanded + AFTER * rate, settled + TO_REST * rate)

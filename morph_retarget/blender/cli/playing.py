@@ -181,7 +181,7 @@ def _frames(job: _Job, characters: Sequence[bpy.types.Object]) -> tuple[int, int
     if job.arguments.frames is not None:
         return job.arguments.frames
     if isinstance(job.source, directing.ScriptFile):
-        return directing.frames(characters[0])
+        return directing.frames(characters)
     action = cast.action_of(characters[0])
     if action is not None and not isinstance(job.source, locomotion.NoAction):
         return clip.keyed_range(characters[0], action)

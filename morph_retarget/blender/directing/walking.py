@@ -7,10 +7,12 @@ import bpy
 from ...core.arrays import Array
 from ...core.character.character import Character
 from ...core.clips.commands.command import Command
+from ...core.clips.models.performance import Performance
 from ...core.directing import director
-from ...core.directing.director import Directions
+from ...core.directing.director import Directed, Directions
 from ...core.solve.settings import SolverSettings
-from ..locomotion.going import Going
+from ..locomotion import walks
+from ..locomotion.going import Clock, Going
 from ..locomotion.guides import Asked, Guide
 from ..locomotion.properties import Source
 from ..locomotion.walk import Walk
@@ -38,6 +40,21 @@ def walk_of(character: Character, own: Going, told: Briefing, solver: SolverSett
     )
     made = director.prepare(character, library, directions, float(clock.times(clock.frames)[-1]))
     return Walk(made, made.course, clock)
+
+
+def performance_of(member: Member, scene: bpy.types.Scene) -> Performance | None:
+    """Return what a character does, None if nothing leads it or stepping through frames alone can tell."""
+    walks.number(member, scene, bpy.context.evaluated_depsgraph_get())
+    known = performance_known(member.rig.object, scene)
+    return None if known is None else known[0]
+
+
+def performance_known(ob: bpy.types.Object, scene: bpy.types.Scene) -> tuple[Performance, Clock] | None:
+    """Return what a character was found to do when it was last shown, with its clock; None before that."""
+    walk = walks.known(ob, scene)
+    if walk is None or not isinstance(walk.gait, Directed) or walk.gait.performance is None:
+        return None
+    return walk.gait.performance, walk.clock
 
 
 def _models(commands: Sequence[Command]) -> tuple[str, ...]:

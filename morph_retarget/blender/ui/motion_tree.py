@@ -14,8 +14,7 @@ from ...core.clips.clip import ClipPrimitive
 from ...core.clips.models.performance import Performance
 from ...core.clips.models.token import Token
 from ...core.clips.tracing import Branch
-from ...core.directing.director import Directed
-from ..locomotion import walks
+from ..directing import walking
 from ..sampling import seconds_per_frame
 from .directing_panel import directed
 from .tab import InTab, told
@@ -28,13 +27,13 @@ SHARE_OF_NAMES = 0.72
 """Of a row's width."""
 
 
-def performance_of(ob: bpy.types.Object, scene: bpy.types.Scene) -> tuple[Performance, float] | None:
+def performance_now(ob: bpy.types.Object, scene: bpy.types.Scene) -> tuple[Performance, float] | None:
     """Return what a character does as it was found when it was shown, and the present frame of clips."""
-    walk = walks.known(ob, scene)
-    if walk is None or not isinstance(walk.gait, Directed) or walk.gait.performance is None:
+    known = walking.performance_known(ob, scene)
+    if known is None:
         return None
-    time = float(walk.clock.times(np.array([scene.frame_current_final]))[0])
-    return walk.gait.performance, time * RATE
+    performance, clock = known
+    return performance, RATE * float(clock.times(np.array([scene.frame_current_final]))[0])
 
 
 class MORPHRETARGET_PT_motion_tree(InTab, bpy.types.Panel):
@@ -49,7 +48,7 @@ class MORPHRETARGET_PT_motion_tree(InTab, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, ob, scene = self.layout, directed(context), context.scene
-        found = performance_of(ob, scene) if ob is not None and scene is not None else None
+        found = performance_now(ob, scene) if ob is not None and scene is not None else None
         if found is None or scene is None:
             layout.label(text="Nothing has been shown yet", icon="INFO")
             return

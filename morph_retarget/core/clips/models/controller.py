@@ -32,6 +32,8 @@ from .token import Token
 
 BASE = "idle"
 """The model that moves what no other does."""
+PATIENCE = 1.0
+"""What begins later than this after it was told to is worth a word [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,10 +129,7 @@ class Controller:
         """Return all that was built."""
         for token in self.tokens:
             if token.waits:
-                others = (
-                    other for other in self.tokens if other is not token and (other.crucial & token.crucial).any()
-                )
-                names = " and ".join(sorted(other.model for other in others))
+                names = _in_the_way(token, [other for other in self.tokens if other is not token])
                 self.warnings.append(
                     told(token.command, f"it waits for {names} to end, which never happens: stop that")
                 )
@@ -220,6 +219,10 @@ class Controller:
                     del self.tokens[i]
                     continue
                 self.warnings += [told(token.command, warning) for warning in begun.warnings]
+                waited = (frame - token.start) / RATE
+                if waited > PATIENCE:
+                    names = _in_the_way(token, [other for other in self.segments[-1].tokens if not other.waits])
+                    self.warnings.append(told(token.command, f"it waits {waited:.1f} s for {names} to end"))
                 self.tokens[i] = replace(begun, warnings=())
             i += 1
 
@@ -299,6 +302,12 @@ class Controller:
 
     def _shown(self) -> tuple[Token, ...]:
         return (*(() if self.base is None else (self.base,)), *self.tokens)
+
+
+def _in_the_way(token: Token, others: Iterable[Token]) -> str:
+    """Return the names of the motions that need joints which one that waits cannot do without."""
+    names = {other.model for other in others if (other.crucial & token.crucial).any()}
+    return " and ".join(sorted(names))
 
 
 def _at_rest(model: CharacterModel) -> ClipPrimitive:

@@ -59,6 +59,11 @@ class Performance:
         """Return where the character is at times, shape (n,), without a break from segment to segment."""
         return pieced(times, [(rows, segment.travel) for segment, rows in self._rows(times)])
 
+    @property
+    def settled(self) -> float:
+        """Frame from which on nothing begins and nothing ends any more."""
+        return self.segments[-1].start
+
     def tree_at(self, frame: float) -> Clip:
         """Return the motion tree that holds at a frame."""
         return self._segment(frame).tree
