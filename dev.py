@@ -98,7 +98,7 @@ def _build(_: argparse.Namespace) -> int:
 
 
 def _release(arguments: argparse.Namespace) -> int:
-    from tools.release import ReleaseError, notes, rules, trying  # only this command needs them
+    from tools.release import ReleaseError, documented, notes, rules, trying  # only this command needs them
 
     python = _blender(_default())
     try:
@@ -111,6 +111,8 @@ def _release(arguments: argparse.Namespace) -> int:
             trying.in_module(python, built)
             if arguments.blender_program:
                 trying.in_program(arguments.blender_program, built)
+            print("── the command lines of the documentation", flush=True)
+            documented.run(python)
     except ReleaseError as error:
         print(f"not released, nothing was changed: {error}", file=sys.stderr)
         return 1

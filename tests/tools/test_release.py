@@ -7,7 +7,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from tools.release import ReleaseError, notes, rules
+from tools.release import ReleaseError, documented, notes, rules
 
 ROOT = Path(__file__).resolve().parents[2]
 MANIFEST = 'id = "morph_retarget"\nversion = "0.9.0"\nblender_version_min = "4.5.0"\n'
@@ -103,3 +103,25 @@ def test_a_zip_holds_no_caches_and_has_a_licence(tmp_path: Path) -> None:
         rules.check(built)
     told = str(error.value).splitlines()
     assert [line.split(":")[0] for line in told] == ["LICENSE", "morph_retarget/__pycache__/a.pyc", ".cache/x"]
+
+
+def test_the_documentation_s_command_lines_are_run_where_our_samples_suffice() -> None:
+    lines = [line for _, line in documented.commands()]
+    shown = {line.split()[3] for line in lines}
+    assert {"map", "retarget", "batch", "play", "validate"} <= shown
+    assert len(lines) == len(set(lines))
+    assert not any("character.fbx" in line for line in lines), "what only users have is left out"
+
+
+def test_a_command_line_that_does_not_work_is_told_with_its_page(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "docs").mkdir()
+    (tmp_path / "rig.glb").write_bytes(b"no rig")
+    (tmp_path / "README.md").write_text("```sh\npython -m morph_retarget map rig.glb  # what is it?\n```\n")
+    monkeypatch.setattr(documented, "ROOT", tmp_path)
+    with pytest.raises(ReleaseError, match=r"README.md: python -m morph_retarget map rig.glb"):
+        documented.run("false")
+    (tmp_path / "README.md").write_text("nothing")
+    with pytest.raises(ReleaseError, match="shows no command"):
+        documented.run("true")
