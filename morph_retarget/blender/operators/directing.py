@@ -16,12 +16,11 @@ from ..morph import cast, query
 from ..properties import of_rig
 from .generalized import characters_meant, performer_meant
 from .locomotion import give_empty_action
-from .manners import Status, armature_meant, armature_poll, reporting, scene_in
+from .manners import OfArmature, Status, armature_meant, armature_poll, reporting, scene_in
 
 NAME = "Directing"
 """Of actions without channels."""
 
-_CHARACTER = StringProperty(name="Character", description="Armature object; the active one when empty")
 _PLACE = IntProperty(
     name="Command", description="Place of the command in the list; the active one when -1", default=-1, min=-1
 )
@@ -81,19 +80,13 @@ class MORPHRETARGET_OT_direct(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_command(bpy.types.Operator):
+class MORPHRETARGET_OT_add_command(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.add_command"
     bl_label = "Add Command"
     bl_description = "Tell the character at the present frame to do something"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: _CHARACTER
     verb: EnumProperty(name="Verb", description="What shall be done with the motion", items=_VERBS)
     model: StringProperty(name="Model", description="Motion or behavior that is meant", default="walk")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -105,18 +98,12 @@ class MORPHRETARGET_OT_add_command(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_command(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_command(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_command"
     bl_label = "Remove Command"
     bl_description = "Take the chosen command out of the list"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: _CHARACTER
     place: _PLACE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -138,18 +125,12 @@ def _inherited(ob: bpy.types.Object) -> int:
     return len(of_rig(override.reference).directing.commands)
 
 
-class MORPHRETARGET_OT_move_command(bpy.types.Operator):
+class MORPHRETARGET_OT_move_command(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.move_command"
     bl_label = "Move to Present Frame"
     bl_description = "Give the command at the present frame"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: _CHARACTER
     place: _PLACE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -158,13 +139,11 @@ class MORPHRETARGET_OT_move_command(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_parameter(bpy.types.Operator):
+class MORPHRETARGET_OT_add_parameter(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.add_parameter"
     bl_label = "Add Parameter"
     bl_description = "Say more about how the command is carried out"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: _CHARACTER
     place: _PLACE
     name: StringProperty(name="Name", description="What is said; something new that can be named later when empty")
     model: StringProperty(name="Model", description="Whose parameter is described", options={"HIDDEN", "SKIP_SAVE"})
@@ -176,10 +155,6 @@ class MORPHRETARGET_OT_add_parameter(bpy.types.Operator):
         found = None if ob is None else known.parameters(ob, properties.model).get(properties.name)
         return cls.bl_description if found is None else found.description
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
-
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         item = command_meant(armature_meant(context, self.character), self.place)
@@ -189,19 +164,13 @@ class MORPHRETARGET_OT_add_parameter(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_parameter(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_parameter(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_parameter"
     bl_label = "Remove Parameter"
     bl_description = "Leave this as it usually is"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: _CHARACTER
     place: _PLACE
     name: StringProperty(name="Name", description="What is not said any more")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -209,20 +178,13 @@ class MORPHRETARGET_OT_remove_parameter(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_commands_to_markers(bpy.types.Operator):
+class MORPHRETARGET_OT_commands_to_markers(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.commands_to_markers"
     bl_label = "Commands to Markers"
     bl_description = (
         "Move the commands of the list onto pose markers of the character's action, "
         "where they can be dragged: Action editor, Marker > Show Pose Markers"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: _CHARACTER
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -233,17 +195,10 @@ class MORPHRETARGET_OT_commands_to_markers(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_markers_to_commands(bpy.types.Operator):
+class MORPHRETARGET_OT_markers_to_commands(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.markers_to_commands"
     bl_label = "Markers to Commands"
     bl_description = "Move the commands among the pose markers of the character's action into its list"
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: _CHARACTER
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

@@ -11,26 +11,20 @@ from ..morph import cast
 from ..morph.jiggle_properties import BONE, KINDS
 from ..properties import of_rig
 from ..rig import pose_of
-from .manners import PLACE, Status, active_bone, armature_meant, armature_poll, place_meant, reporting, scene_in
+from .manners import PLACE, OfArmature, Status, active_bone, armature_meant, place_meant, reporting, scene_in
 from .stepping import Stepping
 
 
-class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
+class MORPHRETARGET_OT_bake_jiggles(Stepping, OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.bake_jiggles"
     bl_label = "Bake Jiggles"
     bl_description = (
         "Let tails, ears, hair and the like follow the armature's action, as far as it leaves them alone, "
         "and key them in a copy of it"
     )
-    bl_options = {"REGISTER", "UNDO"}
     doing = "Baking"
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     action: StringProperty(name="Action", description="Action of the armature; the one that it plays when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     def start(self, context: bpy.types.Context) -> Generator[float, None, jiggle_bake.Outcome]:
         ob = armature_meant(context, self.character)
@@ -49,19 +43,13 @@ class MORPHRETARGET_OT_bake_jiggles(Stepping, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_jiggle_settings(bpy.types.Operator):
+class MORPHRETARGET_OT_add_jiggle_settings(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.add_jiggle_settings"
     bl_label = "Add Jiggle Settings"
     bl_description = "Give one kind of parts, or one bone, settings of its own"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     kind: EnumProperty(name="For", description="What gets settings of its own", items=KINDS)
     bone: StringProperty(name="Bone", description="Name of the bone; the active one when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -75,18 +63,12 @@ class MORPHRETARGET_OT_add_jiggle_settings(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_jiggle_settings(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_jiggle_settings(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_jiggle_settings"
     bl_label = "Remove Jiggle Settings"
     bl_description = "Let the chosen part jiggle like the others again"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     place: PLACE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

@@ -18,23 +18,20 @@ from ..morph import cast
 from ..properties import of_rig
 from .directing import directing_of
 from .generalized import selected
-from .manners import Status, armature_meant, armature_poll, reporting, scene_in
+from .manners import OfArmature, Status, armature_meant, reporting, scene_in
 from .stepping import Stepping
 
-_CHARACTER = StringProperty(name="Character", description="Armature object; the active one when empty")
 _GLOB = f"*{library_file.SUFFIX}"
 
 
-class MORPHRETARGET_OT_build_library(Stepping, bpy.types.Operator):
+class MORPHRETARGET_OT_build_library(Stepping, OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.build_library"
     bl_label = "Build Library"
     bl_description = (
         "Make a library for the active character of all actions of the selected armatures, and of the files in Clips"
     )
-    bl_options = {"REGISTER", "UNDO"}
     doing = "Building the library"
 
-    character: _CHARACTER
     filepath: StringProperty(
         name="File",
         description="Where the library is written; beside the open file when empty, under a name that is free",
@@ -44,10 +41,6 @@ class MORPHRETARGET_OT_build_library(Stepping, bpy.types.Operator):
         name="Clips", description="Folder of clips; that of the character when empty", subtype="DIR_PATH"
     )
     add: BoolProperty(name="Add", description="Keep the motions of the character's library beside the new ones")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     def start(self, context: bpy.types.Context) -> Generator[float, None, tuple[bpy.types.Object, Path, list[Taken]]]:
         ob = armature_meant(context, self.character)
@@ -126,7 +119,7 @@ def _free_file(ob: bpy.types.Object, given: str) -> Path:
     return path
 
 
-class MORPHRETARGET_OT_save_library(bpy.types.Operator, ExportHelper):
+class MORPHRETARGET_OT_save_library(OfArmature, bpy.types.Operator, ExportHelper):
     bl_idname = "morph_retarget.save_library"
     bl_label = "Save Library"
     bl_description = "Write the motions of the character to a file: its library, or the whole starter library"
@@ -134,11 +127,6 @@ class MORPHRETARGET_OT_save_library(bpy.types.Operator, ExportHelper):
 
     filename_ext = library_file.SUFFIX
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
-    character: _CHARACTER
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -151,19 +139,13 @@ class MORPHRETARGET_OT_save_library(bpy.types.Operator, ExportHelper):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_load_library(bpy.types.Operator, ImportHelper):
+class MORPHRETARGET_OT_load_library(OfArmature, bpy.types.Operator, ImportHelper):
     bl_idname = "morph_retarget.load_library"
     bl_label = "Load Library"
     bl_description = "Let the character carry commands out with the motions of a file"
-    bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = library_file.SUFFIX
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
-    character: _CHARACTER
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

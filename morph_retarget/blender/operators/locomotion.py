@@ -14,6 +14,7 @@ from ..properties import of_rig
 from .generalized import characters_meant, let_play, performer_meant
 from .manners import (
     PLACE,
+    OfArmature,
     Status,
     armature_meant,
     armature_poll,
@@ -32,6 +33,14 @@ def any_walker(cls: type[bpy.types.Operator], context: bpy.types.Context) -> boo
     """Return whether a character of the scene has locomotion, for a ``poll``."""
     found = cast.performers(context.scene) if context.scene is not None else []
     return any(of_rig(ob).gait.enabled for ob in found) or refuse(cls, "No character has locomotion: add it to one")
+
+
+class OfWalker(OfArmature):
+    """What operators on one character that has locomotion share."""
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return any_walker(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
 
 class MORPHRETARGET_OT_add_locomotion(bpy.types.Operator):
@@ -72,17 +81,10 @@ def give_empty_action(characters: Sequence[bpy.types.Object], name: str) -> None
         let_play(idle, action)
 
 
-class MORPHRETARGET_OT_remove_locomotion(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_locomotion(OfWalker, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_locomotion"
     bl_label = "Remove Locomotion"
     bl_description = "Let the character stay where its generalized action puts it; the settings are kept"
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return any_walker(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -97,21 +99,15 @@ class MORPHRETARGET_OT_remove_locomotion(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_gait_style(bpy.types.Operator):
+class MORPHRETARGET_OT_add_gait_style(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.add_gait_style"
     bl_label = "Add Style"
     bl_description = "Mix another style into the gait, or give a group of legs a style of its own"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     style: EnumProperty(name="Style", description="Manner of going that is mixed in", items=STYLE_ITEMS)
     group: IntProperty(
         name="Legs", description="Group of legs, 1 for the longest; 0 for all of them", min=0, max=99, soft_max=4
     )
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -119,18 +115,12 @@ class MORPHRETARGET_OT_add_gait_style(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_gait_style(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_gait_style(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_gait_style"
     bl_label = "Remove Style"
     bl_description = "Take the chosen style out of the gait"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     place: PLACE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -148,18 +138,12 @@ _SETTINGS = [
 ]
 
 
-class MORPHRETARGET_OT_key_locomotion(bpy.types.Operator):
+class MORPHRETARGET_OT_key_locomotion(OfWalker, bpy.types.Operator):
     bl_idname = "morph_retarget.key_locomotion"
     bl_label = "Key Speed"
     bl_description = "Key how fast the character goes at the present frame; the gait changes with it"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     setting: EnumProperty(name="Setting", description="What is keyed", items=_SETTINGS)
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return any_walker(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -168,20 +152,13 @@ class MORPHRETARGET_OT_key_locomotion(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_new_foot_path(bpy.types.Operator):
+class MORPHRETARGET_OT_new_foot_path(OfWalker, bpy.types.Operator):
     bl_idname = "morph_retarget.new_foot_path"
     bl_label = "New Foot Path"
     bl_description = (
         "Draw the flight of the feet as curves: make an empty that has them, select it, "
         "and reshape its location and rotation in the Graph Editor"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return any_walker(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -196,17 +173,10 @@ class MORPHRETARGET_OT_new_foot_path(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_foot_path(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_foot_path(OfWalker, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_foot_path"
     bl_label = "Remove Foot Path"
     bl_description = "Let feet fly as their style wants; the empty with the curves goes too if nothing else uses it"
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return any_walker(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

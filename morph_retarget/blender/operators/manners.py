@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import bpy
-from bpy.props import IntProperty
+from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import MorphError, RigError
 from .. import collect
@@ -31,6 +31,19 @@ def reporting(method: Callable[[Any, bpy.types.Context], Status]) -> Callable[[A
             return {"CANCELLED"}
 
     return polite
+
+
+class OfArmature:
+    """What operators on one armature share; scripts may name it."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    character: StringProperty(name="Character", description="Armature object; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Return whether there is any."""
+        return armature_poll(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
 
 def scene_in(context: bpy.types.Context) -> bpy.types.Scene:

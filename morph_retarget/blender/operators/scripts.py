@@ -12,26 +12,19 @@ from ..directing import scripts
 from ..morph import cast
 from ..sampling import seconds_per_frame
 from .directing import directing_of
-from .manners import Status, armature_meant, armature_poll, reporting, scene_in
+from .manners import OfArmature, Status, armature_meant, reporting, scene_in
 
-_CHARACTER = StringProperty(name="Character", description="Armature object; the active one when empty")
 _TEXT = StringProperty(name="Text", description="Text of the file in place of a file on disk")
 
 
-class MORPHRETARGET_OT_import_commands(bpy.types.Operator, ImportHelper):
+class MORPHRETARGET_OT_import_commands(OfArmature, bpy.types.Operator, ImportHelper):
     bl_idname = "morph_retarget.import_commands"
     bl_label = "Import Commands"
     bl_description = "Read commands from a script (TOML) or from Behavior Markup Language (BML), beside those there are"
-    bl_options = {"REGISTER", "UNDO"}
 
     filter_glob: StringProperty(default="*.toml;*.bml;*.xml", options={"HIDDEN"})
-    character: _CHARACTER
     text: _TEXT
     replace: BoolProperty(name="Replace", description="Remove the commands that the character has")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -48,7 +41,7 @@ class MORPHRETARGET_OT_import_commands(bpy.types.Operator, ImportHelper):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_export_commands(bpy.types.Operator, ExportHelper):
+class MORPHRETARGET_OT_export_commands(OfArmature, bpy.types.Operator, ExportHelper):
     bl_idname = "morph_retarget.export_commands"
     bl_label = "Export Commands"
     bl_description = "Write the commands of the list as a script (TOML)"
@@ -56,12 +49,7 @@ class MORPHRETARGET_OT_export_commands(bpy.types.Operator, ExportHelper):
 
     filename_ext = scripts.TABLES
     filter_glob: StringProperty(default="*.toml", options={"HIDDEN"})
-    character: _CHARACTER
     text: StringProperty(name="Text", description="Name of a text of this file to write to, in place of a file on disk")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

@@ -6,21 +6,15 @@ from bpy.props import StringProperty
 from ...core.errors import RigError
 from ..properties import of_rig
 from ..rig import pose_of
-from .manners import PLACE, Status, active_bone, armature_meant, armature_poll, place_meant, reporting
+from .manners import PLACE, OfArmature, Status, active_bone, armature_meant, place_meant, reporting
 
 
-class MORPHRETARGET_OT_add_limb_settings(bpy.types.Operator):
+class MORPHRETARGET_OT_add_limb_settings(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.add_limb_settings"
     bl_label = "Add Limb Settings"
     bl_description = "Give one limb solver settings of its own, by the bone at its end"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     bone: StringProperty(name="Bone", description="Bone at the end of the limb; the active one when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -32,18 +26,12 @@ class MORPHRETARGET_OT_add_limb_settings(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_limb_settings(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_limb_settings(OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_limb_settings"
     bl_label = "Remove Limb Settings"
     bl_description = "Let the chosen limb be solved like the others again"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the active one when empty")
     place: PLACE
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
