@@ -1,6 +1,6 @@
 """Actions as arrays: slots, channelbags and F-curves, read and written in bulk."""
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 import bpy
 import numpy as np
@@ -124,16 +124,14 @@ def paths_in_strips(ob: bpy.types.Object) -> set[str]:
     }
 
 
-class Writer:
-    """A new action with one slot, filled curve by curve in bulk."""
+class Filler:
+    """Fills a slot of an action that a `Writer` has made, curve by curve in bulk."""
 
-    def __init__(self, name: str, owner: Owner) -> None:
-        self.action = bpy.data.actions.new(name)
-        kind = "KEY" if isinstance(owner, bpy.types.Key) else "OBJECT"
-        self.slot = self.action.slots.new(id_type=kind, name=owner.name)
-        strip = self.action.layers.new("Layer").strips.new(type="KEYFRAME")
+    def __init__(self, action: bpy.types.Action, slot: bpy.types.ActionSlot) -> None:
+        self.action, self.slot = action, slot
+        strip = action.layers[0].strips[0]
         assert isinstance(strip, bpy.types.ActionKeyframeStrip), "a strip of this type was asked for"
-        bag = strip.channelbag(self.slot, ensure=True)
+        bag = strip.channelbag(slot, ensure=True)
         assert bag is not None, "it was to be made"
         self._bag = bag
         self._groups: dict[str, bpy.types.ActionGroup] = {}
@@ -213,6 +211,12 @@ class Writer:
         own.keyframe_points.foreach_set("co", values)
         own.keyframe_points.foreach_set("interpolation", np.full(count, _LINEAR, dtype=np.uint8))
 
+    def remove(self, paths: Container[str]) -> None:
+        """Take the curves of some properties out again."""
+        for curve in [curve for curve in self._bag.fcurves if curve.data_path in paths]:
+            self._bag.fcurves.remove(curve)
+        self._groups.clear()  # Blender removes those that are empty
+
     def limit(self, first: float, last: float) -> None:
         """Make the action last from ``first`` to ``last`` where some of its keys lie outside."""
         start, end = self.action.frame_range
@@ -222,8 +226,18 @@ class Writer:
 
     def _group(self, name: str) -> bpy.types.ActionGroup:
         if name not in self._groups:
-            self._groups[name] = self._bag.groups.new(name)
+            self._groups[name] = self._bag.groups.get(name) or self._bag.groups.new(name)
         return self._groups[name]
+
+
+class Writer(Filler):
+    """A new action with one slot, filled curve by curve in bulk."""
+
+    def __init__(self, name: str, owner: Owner) -> None:
+        action = bpy.data.actions.new(name)
+        action.layers.new("Layer").strips.new(type="KEYFRAME")
+        kind = "KEY" if isinstance(owner, bpy.types.Key) else "OBJECT"
+        super().__init__(action, action.slots.new(id_type=kind, name=owner.name))
 
     def discard(self) -> None:
         """Remove the unfinished action."""

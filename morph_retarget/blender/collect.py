@@ -29,7 +29,7 @@ def target_of(ob: bpy.types.Object) -> tuple[Rig, Character]:
 
 
 def options_of(scene: bpy.types.Scene, target: bpy.types.Object) -> Options:
-    """Return what is chosen in the panel, with the target's own controls.
+    """Return what is chosen in the panel, with the target's own controls and jiggles.
 
     Raises:
         RigError: Only selected bones are to be moved, and none is selected.
@@ -37,7 +37,8 @@ def options_of(scene: bpy.types.Scene, target: bpy.types.Object) -> Options:
     only = frozenset(rig.selected_bones(target)) if of_scene(scene).selected_only else frozenset[str]()
     chosen = of_scene(scene).options()
     settings = replace(chosen.settings, also=of_rig(target).further())
-    return replace(chosen, settings=settings, controls=of_rig(target).controls(), only=only)
+    jiggles = of_rig(target).jiggles.settings() if of_scene(scene).jiggles else None
+    return replace(chosen, settings=settings, controls=of_rig(target).controls(), only=only, jiggles=jiggles)
 
 
 def source_of(

@@ -30,8 +30,8 @@ def _on_edit(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
         perform.update(scene, graph)
 
 
-def _forget() -> None:
-    live.forget()
+def _forget(for_good: bool) -> None:
+    live.forget(for_good)
     perform.forget()
     cast.forget(rig=True)
     events.forget()
@@ -39,13 +39,16 @@ def _forget() -> None:
 
 @persistent
 def _on_load(*_: object) -> None:
-    _forget()
+    _forget(for_good=True)
     migrations.upgrade()
+    for scene in bpy.data.scenes:
+        live.catch_up(scene)
 
 
 @persistent
 def _on_undo(scene: bpy.types.Scene, *_: object) -> None:
-    _forget()
+    _forget(for_good=False)
+    live.catch_up(scene)
     perform.show_frame(scene)  # the step may have kept a bone where it was dragged
 
 

@@ -1,12 +1,13 @@
 """Which bones of an armature something poses already, so that they must not jiggle."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 
 import bpy
 import numpy as np
 
 from . import actions
 from .actions import CurveMap
+from .channels import Channel
 from .rig import Rig, armature_of, pose_of
 
 STILL = 1e-5
@@ -15,13 +16,22 @@ STILL = 1e-5
 
 def posed(rig: Rig, found: CurveMap) -> set[int]:
     """Return the bones that curves move, or that constraints and drivers own."""
-    names = rig.skeleton.names
-    moved = {path.rpartition(".")[0] for (path, _), curve in found.items() if _moves(curve)}
-    moved |= {path.rpartition(".")[0] for path in _driven(rig.object)}
+    return _owned(rig, {path for (path, _), curve in found.items() if _moves(curve)})
+
+
+def posed_by(rig: Rig, motion: Iterable[Channel]) -> set[int]:
+    """Return the bones that a motion will move when it is keyed, or that constraints and drivers own."""
+    moving = [channel for channel in motion if np.ptp(channel.values, axis=0).max(initial=0.0) > STILL]
+    return _owned(rig, {channel.path(rig.object) for channel in moving})
+
+
+def _owned(rig: Rig, paths: Iterable[str]) -> set[int]:
+    """Return the bones that properties at some data paths belong to, or that constraints and drivers own."""
+    moved = {path.rpartition(".")[0] for path in (*paths, *_driven(rig.object))}
     bones = pose_of(rig.object).bones
     return {
         i
-        for i, name in enumerate(names)
+        for i, name in enumerate(rig.skeleton.names)
         if bones[name].path_from_id() in moved or any(c.enabled and c.influence > 0.0 for c in bones[name].constraints)
     }
 

@@ -42,6 +42,14 @@ class Made(Protocol):
         ...
 
 
+@dataclass(frozen=True, eq=False)
+class Laid:
+    """A new action where it was put."""
+
+    action: bpy.types.Action
+    slot: bpy.types.ActionSlot
+
+
 @dataclass(frozen=True)
 class Place:
     """How a motion is laid on a target."""
@@ -53,7 +61,7 @@ class Place:
     """Take over what the old action does to other bones."""
 
 
-def lay(target: Rig, made: Written, place: Place) -> tuple[bpy.types.Action, bpy.types.ActionSlot]:
+def lay(target: Rig, made: Written, place: Place) -> Laid:
     """Key a motion in a new action and put that in its place."""
     ob = target.object
     if place.lay is Lay.ADD:
@@ -64,13 +72,13 @@ def lay(target: Rig, made: Written, place: Place) -> tuple[bpy.types.Action, bpy
         actions.assign(ob, *own)
         _weigh(ob, weight)
         _strip(ob, action, slot).mute = True
-    return action, slot
+    return Laid(action, slot)
 
 
 # --- over the old one ---
 
 
-def _add(ob: bpy.types.Object, made: Written, name: str) -> tuple[bpy.types.Action, bpy.types.ActionSlot]:
+def _add(ob: bpy.types.Object, made: Written, name: str) -> Laid:
     """Lay a motion over what an armature plays, which becomes a strip."""
     writer = Writer(name, ob)
     for channel in made.channels:
@@ -82,7 +90,7 @@ def _add(ob: bpy.types.Object, made: Written, name: str) -> tuple[bpy.types.Acti
         _strip(ob, own, its_slot)
     actions.assign(ob, writer.action, writer.slot)
     _weigh(ob, (1.0, "COMBINE"))
-    return writer.action, writer.slot
+    return Laid(writer.action, writer.slot)
 
 
 def _changes(channel: Channel) -> Array:

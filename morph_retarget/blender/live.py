@@ -4,82 +4,54 @@ Everything here is run-time state, keyed by Blender's session-wide number of the
 redo. What is shown depends on the time alone, never on how often it was asked for.
 """
 
-from collections.abc import Generator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Generator
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from mathutils import Matrix
-from numpy.typing import NDArray
 
-from ..core.arrays import Array, Indices
-from ..core.errors import MorphError, MotionError, RigError
-from . import actions, channels, collect, retarget, writing
-from .channels import OFF_REST, Channel
-from .controls import deforming
-from .controls.task import Onto
-from .properties import of_rig
+from ..core.errors import MorphError, MotionError
+from ..core.pipeline import Result
+from . import actions, collect, live_motion, retarget, writing
+from .channels import OFF_REST
+from .controls import carrying
+from .controls.task import Onto, Task
+from .live_motion import Motion
+from .properties import of_rig, of_scene
 from .retarget import Source
-from .rig import Rig, pose_of
-
-Singles = NDArray[np.float32]
-
-_WIDTHS = {"rotation_quaternion": 4, "rotation_euler": 3, "rotation_axis_angle": 4, "location": 3, "scale": 3}
-
-
-@dataclass(eq=False)
-class _Property:
-    """One property of all pose bones, with the part of it that the motion owns."""
-
-    name: str
-    buffer: Singles
-    """Of all bones, shape (bone * width,)."""
-    places: Indices
-    """What the motion owns in it, shape (n,)."""
-    values: Singles
-    """Shape (frame, n)."""
+from .rig import pose_of
+from .steps import within
+from .writing import Written
 
 
 @dataclass(frozen=True, eq=False)
-class _Motion:
-    """A transferred clip, ready to be shown."""
+class _Carried:
+    """What Blender has made of a motion on controls, and of what: it is costly, and undo asks for it again."""
 
-    followed: tuple[int, int]
-    """Session-wide numbers of the source's action and of the source."""
-    frames: Array
-    properties: Sequence[_Property]
-    own: Sequence[Channel]
-    """Channels of the object itself."""
+    task: Task
+    result: Result
+    onto: Onto
+    written: Written
 
-    def show(self, ob: bpy.types.Object, frame: float) -> None:
-        """Put the pose of one frame on an armature."""
-        place = float(np.clip((frame - self.frames[0]) / self._step, 0.0, len(self.frames) - 1.0))
-        row = min(int(place + 1e-4), len(self.frames) - 1)
-        part = place - row
-        bones = pose_of(ob).bones
-        for prop in self.properties:
-            bones.foreach_get(prop.name, prop.buffer)
-            prop.buffer[prop.places] = _between(prop.values, row, part)
-            bones.foreach_set(prop.name, prop.buffer)
-        for channel in self.own:
-            setattr(ob, channel.prop, _between(channel.values, row, part))
-        ob.update_tag(refresh={"OBJECT"})  # the pose follows, at two thirds of what "DATA" costs
-
-    @property
-    def _step(self) -> float:
-        return float(self.frames[1] - self.frames[0]) if len(self.frames) > 1 else 1.0
+    def fits(self, task: Task, result: Result, onto: Onto) -> bool:
+        """Return whether the same would come of other work."""
+        ours, theirs = self.task, task
+        same = (ours.given, set(ours.only), self.onto) == (theirs.given, set(theirs.only), onto)
+        points, others = self.result.motion.points, result.motion.points
+        return same and (
+            points.shape == others.shape
+            and result.root_motion is self.result.root_motion
+            and np.allclose(points, others, atol=1e-6)
+            and np.allclose(self.result.motion.turns, result.motion.turns, atol=1e-6)
+        )
 
 
-def _between(values: NDArray[Any], row: int, part: float) -> NDArray[Any]:
-    """Return values between two rows; rotations are close enough to each other to be mixed part by part."""
-    if part < 1e-3 or row + 1 >= len(values):
-        return values[row]
-    return values[row] + part * (values[row + 1] - values[row])
-
-
-_motions: dict[int, _Motion] = {}
+_motions: dict[int, Motion] = {}
+_carried: dict[int, _Carried] = {}
 _preparing: list[int] = []
+_waiting: set[int] = set()
+"""Armatures that are given their motion as soon as the window is served."""
 problems: dict[int, str] = {}
 """Why an armature has stopped following, by session-wide number."""
 
@@ -106,10 +78,12 @@ def starting(
     Raises:
         MorphError: The motion cannot be transferred.
     """
-    clip = yield from _sampled(scene, source, target)
+    _carried.pop(target.session_uid, None)
+    clip = yield from within(0.0, 0.5, _sampled(scene, source, target))
     if of_rig(target).live_source is None:
         of_rig(target).home = [value for row in target.matrix_basis for value in row]
-    _motions[target.session_uid] = _transferred(scene, source, target, clip)
+    motion = yield from within(0.5, 1.0, _transferred(scene, source, target, clip))
+    _accept(target, motion)
     problems.pop(target.session_uid, None)
     of_rig(target).live_source = source
     show_frame(scene)
@@ -129,25 +103,32 @@ def stop(target: bpy.types.Object, clear: bool) -> None:
         return
     if following_till_now:
         _go_home(target)
-    names = {bone.name for bone in pose_of(target).bones}
     if motion is not None:
-        rest = {"rotation_quaternion": (1.0, 0.0, 0.0, 0.0), "rotation_axis_angle": (0.0, 0.0, 1.0, 0.0)}
-        for prop in motion.properties:
-            width = _WIDTHS[prop.name]
-            neutral = np.array(rest.get(prop.name, (float(prop.name == "scale"),) * width), dtype=np.float32)
-            pose_of(target).bones.foreach_get(prop.name, prop.buffer)
-            prop.buffer[prop.places] = np.resize(neutral, len(prop.places))
-            pose_of(target).bones.foreach_set(prop.name, prop.buffer)
-    elif names:
+        motion.clear(target)
+    else:
         for bone in pose_of(target).bones:
             bone.matrix_basis.identity()
     target.update_tag(refresh={"DATA"})
 
 
-def forget() -> None:
-    """Drop all motions; they are transferred anew when they are next needed."""
+def forget(for_good: bool = True) -> None:
+    """Drop all motions; they are transferred anew when they are next needed.
+
+    Args:
+        for_good: Drop what controls were found to do as well; else it is kept for motions that turn out to be the same.
+    """
     _motions.clear()
     problems.clear()
+    if for_good:
+        _carried.clear()
+        _waiting.clear()
+
+
+def catch_up(scene: bpy.types.Scene) -> None:
+    """Give targets on controls the motions that they lack: while frames change, Blender cannot be asked for them."""
+    for target in _targets(scene):
+        if target.session_uid not in _motions and not _is_plain(scene, target):
+            _renew(scene, target)
 
 
 def refresh(scene: bpy.types.Scene) -> None:
@@ -157,12 +138,39 @@ def refresh(scene: bpy.types.Scene) -> None:
     for target in _targets(scene):
         layer.update()  # what was shown last may not have been evaluated yet
         _motions.pop(target.session_uid, None)
-        try:
-            source = of_rig(target).live_source
-            _motions[target.session_uid] = _prepare(scene, source, target)
-        except MorphError as error:
-            _give_up(target, error)
+        _renew(scene, target)
     show_frame(scene)
+
+
+def _renew(scene: bpy.types.Scene, target: bpy.types.Object) -> None:
+    try:
+        _accept(target, _prepare(scene, of_rig(target).live_source, target))
+    except MorphError as error:
+        _give_up(target, error)
+
+
+def _renew_soon(target: bpy.types.Object) -> None:
+    """Give a target its motion as soon as the window is served: while a frame changes, Blender cannot be asked."""
+    number = target.session_uid
+    _motions.pop(number, None)
+
+    def renew() -> None:
+        if number not in _waiting:
+            return  # all was forgotten meanwhile
+        _waiting.discard(number)
+        for scene in bpy.data.scenes:
+            catch_up(scene)
+            show_frame(scene)
+
+    if number not in _waiting:
+        _waiting.add(number)
+        bpy.app.timers.register(renew, first_interval=0.0)
+
+
+def _accept(target: bpy.types.Object, motion: Motion) -> None:
+    """Take a motion as that of a target, with its controls switched for it."""
+    _motions[target.session_uid] = motion
+    motion.switch(target)
 
 
 def show_frame(scene: bpy.types.Scene) -> None:
@@ -173,8 +181,11 @@ def show_frame(scene: bpy.types.Scene) -> None:
         try:
             motion = _motions.get(target.session_uid)
             if motion is None or motion.followed != _followed(of_rig(target).live_source):
+                if not _is_plain(scene, target) and not bpy.app.background:
+                    _renew_soon(target)
+                    continue
                 motion = _prepare(scene, of_rig(target).live_source, target, may_step=False)
-                _motions[target.session_uid] = motion
+                _accept(target, motion)
             motion.show(target, scene.frame_current_final)
         except MorphError as error:
             _give_up(target, error)
@@ -194,12 +205,18 @@ def _followed(source: bpy.types.Object) -> tuple[int, int]:
     return (action.session_uid if action else 0, source.session_uid)
 
 
+def _is_plain(scene: bpy.types.Scene, target: bpy.types.Object) -> bool:
+    """Return whether a target is posed by its bones, so that its motion is found without asking Blender."""
+    return carrying.is_plain(target, Onto(of_scene(scene).onto), of_rig(target).controls())
+
+
 def _prepare(
     scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, may_step: bool = True
-) -> _Motion:
+) -> Motion:
     if not may_step and collect.needs_steps(source, *collect.actions_of(source)[0]):
         raise MotionError(f"armature {source.name!r} is moved by more than its action: switch Live on again")
-    return _transferred(scene, source, target, retarget.run(_sampled(scene, source, target)))
+    clip = retarget.run(_sampled(scene, source, target))
+    return retarget.run(_transferred(scene, source, target, clip, may_step))
 
 
 def _sampled(
@@ -214,31 +231,33 @@ def _sampled(
         _preparing.remove(target.session_uid)
 
 
-def _transferred(scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, clip: Source) -> _Motion:
-    """Transfer a sampled clip to a target."""
-    _go_home(target)
-    own, character = collect.target_of(target)
-    options = collect.options_of(scene, target)
-    if options.onto is not Onto.NONE and deforming.body_of(own, character) is not None:
-        raise RigError(
-            f"armature {target.name!r} is posed by controls, which Live does not move: press Retarget, "
-            "or let it write on bones"
-        )
-    ground = collect.ground_of(scene, character)
-    given = collect.contacts_of(source, collect.actions_of(source)[0][0])
-    _, result = retarget.transfer(clip, own, character, options, given, ground)
-    found = writing.channels_of(own, character, result)
-    body = channels.body_bones(own, result.bones)
-    if options.only:
-        found = [channel for channel in found if channel.bone in options.only]
-        body = [name for name in body if name in options.only]
-    playing, its_slot = actions.assigned(target)
-    animated = {path for path, _ in actions.curves(playing, its_slot)} if playing and its_slot else set[str]()
-    frames = clip.clip.frames
-    for still in channels.resting(target, body, found, animated):
-        found.append(replace(still, values=np.repeat(still.values, len(frames), axis=0)))
-    own_channels = [channel for channel in found if channel.bone is None]
-    return _Motion(_followed(source), frames, _packed(own, found), own_channels)
+def _transferred(
+    scene: bpy.types.Scene, source: bpy.types.Object, target: bpy.types.Object, clip: Source, may_step: bool = True
+) -> Generator[float, None, Motion]:
+    """Transfer a sampled clip to a target in steps, while nothing is shown."""
+    _preparing.append(target.session_uid)
+    try:
+        _go_home(target)
+        own, character = collect.target_of(target)
+        options = collect.options_of(scene, target)
+        ground = collect.ground_of(scene, character)
+        given = collect.contacts_of(source, collect.actions_of(source)[0][0])
+        task, result = retarget.task_of(clip, own, character, options, given, ground)
+        kept = _carried.get(target.session_uid)
+        if kept is not None and kept.fits(task, result, options.onto):
+            made = kept.written
+        elif may_step or _is_plain(scene, target):
+            made = yield from writing.written(clip.clip, task, result, options.onto, resample=False, scene=scene)
+        else:
+            raise MotionError(
+                f"what the controls of armature {target.name!r} do is not found out while frames change: "
+                "switch Live on again"
+            )
+        if not _is_plain(scene, target):
+            _carried[target.session_uid] = _Carried(task, result, options.onto, made)
+        return live_motion.of_written(target, made, _followed(source))
+    finally:
+        _preparing.remove(target.session_uid)
 
 
 def _go_home(target: bpy.types.Object) -> None:
@@ -246,19 +265,3 @@ def _go_home(target: bpy.types.Object) -> None:
     home, now = Matrix(np.array(of_rig(target).home).reshape(4, 4).tolist()), target.matrix_basis
     if np.abs(np.array(home) - np.array(now)).max() > OFF_REST:
         target.matrix_world = target.matrix_world @ now.inverted() @ home
-
-
-def _packed(own: Rig, found: Sequence[Channel]) -> list[_Property]:
-    """Return channels of bones as rows of whole properties."""
-    bones = pose_of(own.object).bones
-    place = {bone.name: i for i, bone in enumerate(bones)}
-    out: list[_Property] = []
-    for name, width in _WIDTHS.items():
-        some = [channel for channel in found if channel.prop == name and channel.bone is not None]
-        if not some:
-            continue
-        starts = np.array([place[channel.bone or ""] * width for channel in some])
-        places = (starts[:, None] + np.arange(width)).ravel()
-        values = np.concatenate([channel.values for channel in some], axis=1).astype(np.float32)
-        out.append(_Property(name, np.empty(len(bones) * width, dtype=np.float32), places, values))
-    return out

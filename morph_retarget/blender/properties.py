@@ -322,6 +322,11 @@ class MORPHRETARGET_PG_scene(bpy.types.PropertyGroup):
         name="Selected Bones",
         description="Move only the bones of the target that are selected; all others keep their animation",
     )
+    jiggles: BoolProperty(
+        name="Jiggles",
+        description="Let tails, ears, hair and the like follow, as far as the clip does not move them; "
+        "how is set in the panel Jiggles, for the target",
+    )
     onto: EnumProperty(
         name="Write On",
         description="What gets the keys on a rig with controls",

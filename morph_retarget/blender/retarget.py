@@ -8,17 +8,19 @@ from enum import StrEnum
 import bpy
 import numpy as np
 
-from ..core import pipeline, report
+from ..core import jiggling, pipeline, report
 from ..core.character.analysis import Overrides, analyze
 from ..core.character.character import Character
-from ..core.errors import RigError
+from ..core.errors import MotionError, RigError
 from ..core.ground import Ground
+from ..core.jiggling import Jiggling
 from ..core.mocap import reference
 from ..core.mocap.measure import measure
 from ..core.mocap.plan import Plan, ReferencePose, RetargetSettings, prepare
 from ..core.mocap.root_motion import RootMotion
 from ..core.pipeline import Result
-from . import channels, contacts, laying, rig, sampling, writing
+from ..core.solve.jiggle_kinds import JiggleSettings
+from . import channels, contacts, jiggle_bones, jiggle_keys, rig, sampling, writing
 from .contacts import Contact
 from .controls import deforming
 from .controls.task import Onto, Task
@@ -28,6 +30,11 @@ from .sampling import Clip
 from .steps import run as run
 from .steps import within as within
 from .templates import filled
+from .writing import Written
+
+_NOTHING_LOOSE = (
+    "nothing jiggles on {target!r}: it has no tail, ears, hair or the like, or something moves them already"
+)
 
 
 class Reference(StrEnum):
@@ -63,6 +70,9 @@ class Options:
     """Bones or controls of the target that are to be moved, all others keep their animation; all when empty."""
     lay: Lay = Lay.REPLACE
     """What becomes of the target's own animation."""
+    jiggles: JiggleSettings | None = None
+    """How tails, ears, hair and the like of the target follow the rest of it, in place of what its old action does to
+    them; None where they do not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,30 +194,74 @@ def in_steps(
     Raises:
         RigError: See `transfer`; or controls are asked for and there are none.
         MappingError: The two share no joints, or a control that the user has named does not exist.
-        MotionError: A contact names no foot of the source.
+        MotionError: A contact names no foot of the source; or see `check_jiggles`.
     """
+    check_jiggles(options)
     times = dict(source.seconds)
     start = time.perf_counter()
-    whole = target
-    if options.onto is not Onto.NONE:
-        further = [bone for _, bone in options.settings.also]
-        target, character = deforming.body_of(target, character, further) or (target, character)
-    plan, result = transfer(source, target, character, options, given, ground)
+    task, result = task_of(source, target, character, options, given, ground)
+    plan = task.plan
     times["transfer"] = time.perf_counter() - start
     start = time.perf_counter()
-    task = Task(whole, character, plan, options.controls, _existing(whole, options.only))
-    made = yield from writing.written(source.clip, task, result, options.onto, options.resample, scene)
+    written = writing.written(source.clip, task, result, options.onto, options.resample, scene)
+    made = yield from within(0.0, 0.8 if options.jiggles else 1.0, written)
     name = action_name(options.name, source.clip.name, source.rig.name, target.name)
     if not made.channels:
         raise RigError(f"none of the bones of {target.name!r} that were chosen is given the motion: choose others")
-    action, slot = laying.lay(whole, made, Place(name, options.lay, options.keep_others))
+    place = Place(name, options.lay, options.keep_others)
+    loose = _loose(target, character, made, options)
+    laid = yield from within(0.8, 1.0, jiggle_keys.lay(target, made, place, loose, scene))
     times["write"] = time.perf_counter() - start
-    warnings = (*_warnings(source, target, character, plan, made.on_controls is not None), *made.warnings)
-    measures = measure(plan, result.source, made.motion, ground)
-    described = report.describe(source.clip.name, target.name, len(source.clip.frames), times, plan, measures, warnings)
+    warnings = [*_warnings(source, target, plan, made.on_controls is not None), *made.warnings]
+    jiggling_bones = [] if loose is None else jiggle_keys.names_of(target, loose)
+    if loose is not None and not loose:
+        warnings.append(_NOTHING_LOOSE.format(target=target.name))
+    measures, count = measure(plan, result.source, made.motion, ground), len(source.clip.frames)
+    described = report.describe(source.clip.name, target.name, count, times, plan, measures, jiggling_bones, warnings)
     if made.on_controls is not None:
         described["controls"] = dict(made.on_controls)
-    return Outcome(action, slot, plan, result, described, warnings)
+    return Outcome(laid.action, laid.slot, plan, result, described, tuple(warnings))
+
+
+def _loose(target: Rig, character: Character, made: Written, options: Options) -> Jiggling | None:
+    """Return what of a target jiggles while it plays a motion, None where that is not asked for."""
+    if options.jiggles is None:
+        return None
+    posed = jiggle_bones.posed_by(target, made.channels)
+    among = {target.skeleton.index[name] for name in options.only} or None
+    return jiggling.prepare(character, posed, options.jiggles, among)
+
+
+def check_jiggles(options: Options) -> None:
+    """Check that jiggles can be had with the other options.
+
+    Raises:
+        MotionError: The new action is laid over another, of which jiggles would know nothing.
+    """
+    if options.jiggles and options.lay is Lay.ADD:
+        raise MotionError(
+            "jiggles cannot follow a motion that is added to another: leave them out, or replace or stash what is there"
+        )
+
+
+def task_of(
+    source: Source,
+    target: Rig,
+    character: Character,
+    options: Options,
+    given: Sequence[Contact] | None = None,
+    ground: Ground | None = None,
+) -> tuple[Task, Result]:
+    """Return the source's motion as the target's body plays it, and what of the target it is to be written on.
+
+    Nothing is written. Arguments and errors are those of `in_steps`.
+    """
+    body = None
+    if options.onto is not Onto.NONE:
+        body = deforming.body_of(target, character, [bone for _, bone in options.settings.also])
+    rig_of_body, its_character = body or (target, character)
+    plan, result = transfer(source, rig_of_body, its_character, options, given, ground)
+    return Task(target, its_character, plan, options.controls, _existing(target, options.only)), result
 
 
 def _existing(target: Rig, bones: frozenset[str]) -> frozenset[str]:
@@ -286,15 +340,15 @@ def make_plan(source: Source, target: Rig, character: Character, options: Option
     return prepare(source.character, character, options.settings, theirs, ours)
 
 
-def _warnings(source: Source, target: Rig, character: Character, plan: Plan, on_controls: bool) -> tuple[str, ...]:
+def _warnings(source: Source, target: Rig, plan: Plan, on_controls: bool) -> tuple[str, ...]:
     out = [*source.rig.warnings, *target.warnings]
     out += [f"source {source.rig.name!r}: {w}" for w in source.character.warnings]
-    out += [f"target {target.name!r}: {w}" for w in character.warnings]
+    out += [f"target {target.name!r}: {w}" for w in plan.target.warnings]
     if plan.reference != "rest pose":
         out.append(f"the source's {plan.reference} stands for the target's rest pose")
     if source.clip.stepped:
         out.append(f"the source was sampled frame by frame because of {', '.join(source.clip.stepped)}")
-    linked = {target.skeleton.names[b] for b in plan.links.target}
+    linked = {plan.target.skeleton.names[b] for b in plan.links.target}
     for bone in () if on_controls else rig.pose_of(target.object).bones:
         active = [c.name for c in bone.constraints if c.enabled and c.influence > 0.0]
         if bone.name in linked and active:

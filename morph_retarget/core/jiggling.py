@@ -35,15 +35,18 @@ class Jiggling:
         return len(self.chains) > 0
 
 
-def prepare(character: Character, posed: Collection[int], settings: JiggleSettings) -> Jiggling:
+def prepare(
+    character: Character, posed: Collection[int], settings: JiggleSettings, among: Collection[int] | None = None
+) -> Jiggling:
     """Return what jiggles on a character whose other bones something else poses.
 
     Args:
         character: What the rig is.
         posed: Bones that an action poses.
         settings: How it jiggles.
+        among: Bones that may jiggle; all when None.
     """
-    chains = jiggle_chains.find(character, posed, settings)
+    chains = jiggle_chains.find(character, posed, settings, among)
     place = character.local_to_character
     spread = float(np.ptp(character.skeleton.rest_positions, axis=0).max())
     # Heights in armature space are those of the character frame, moved and scaled.

@@ -17,6 +17,7 @@ FIELDS: Mapping[str, str] = {
     "foot_slide_m_per_s": "mean speed of standing feet along the ground: `source` (at the target's size), `target`",
     "ground_penetration_m": "how deep a sole sinks at `max`",
     "pose_jump_deg": "largest turn of a joint in one frame: `max`, and the source's own `source_max`",
+    "jiggles": "bones that were let follow with `--jiggles`",
     "warnings": "what you should know",
 }
 """Meaning of what `describe` returns."""
@@ -37,6 +38,7 @@ def describe(
     seconds_per_stage: Mapping[str, float],
     plan: Plan,
     measures: Measures,
+    jiggles: Sequence[str],
     warnings: Sequence[str],
 ) -> dict[str, Any]:
     """Return the report of one pair; all lengths in the target's metres.
@@ -48,6 +50,7 @@ def describe(
         seconds_per_stage: Time that each stage took [s].
         plan: Of the pair.
         measures: Of the result.
+        jiggles: Bones that follow the motion.
         warnings: What the user should know.
     """
     return {
@@ -61,6 +64,7 @@ def describe(
         "foot_slide_m_per_s": {"source": round(measures.slide_source, 5), "target": round(measures.slide_target, 5)},
         "ground_penetration_m": {"max": round(measures.penetration, 5)},
         "pose_jump_deg": {"max": round(measures.jump_target, 3), "source_max": round(measures.jump_source, 3)},
+        "jiggles": list(jiggles),
         "warnings": list(warnings),
     }
 

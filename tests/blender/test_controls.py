@@ -1,6 +1,7 @@
 """Rigs with controls: what deform bones do is what was meant, as Blender evaluates it."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -17,6 +18,7 @@ from morph_retarget.core.errors import MappingError, RigError
 from morph_retarget.core.mocap.plan import RetargetSettings
 from morph_retarget.core.mocap.root_motion import RootMotion
 from tests.blender import control_rigs, scenes, window
+from tests.blender.control_rigs import Reach
 from tools.figure import blender
 
 FRAMES = scenes.FRAMES[::6]
@@ -213,6 +215,119 @@ def test_families_are_known_by_their_names_and_others_by_their_constraints(
     assert outcome.report["controls"]["family"] == family
     assert off(ob, outcome).max() < 0.01
     assert away(ob, outcome) < 1e-4
+
+
+def _arp_reach() -> Reach:
+    def control(end: str) -> str:
+        return f"c_{end[len(_side(end)) :].lower()}_ik.{_side(end)[0]}"
+
+    def pole(upper: str) -> str:
+        return f"{'c_arms_pole' if 'Arm' in upper else 'c_leg_pole'}.{_side(upper)[0]}"
+
+    return Reach(control, pole, control, lambda _: "ik_fk_switch", turned=1.0)
+
+
+def _side(joint: str) -> str:
+    return "left" if joint.startswith("left") else "right"
+
+
+def _limb(end: str) -> str:
+    return "arm" if "Hand" in end else "leg"
+
+
+CLOUD_REACH = Reach(
+    lambda end: f"IK-MSTR-{_part(end)}",
+    lambda upper: f"IK-POLE-{_part(upper)}",
+    lambda _: "Properties",
+    lambda end: f"ik_{_side(end)}_{_limb(end)}",
+)
+CLOUD_REACH_SINCE = Reach(
+    lambda end: f"IK-{_part(end)}",
+    lambda upper: f"POLE-{_part(upper)}",
+    lambda _: "Properties",
+    lambda end: f"ik_{_side(end)}_{_part('leftUpperArm' if 'Hand' in end else 'leftUpperLeg')[:-2].lower()}",
+)
+OWN_REACH = Reach(
+    lambda end: f"Grab {_part(end)}",
+    lambda upper: f"Aim {_part(upper)}",
+    lambda _: "Properties",
+    lambda end: f"Mode {end}",
+)
+
+
+def _cloud(joint: str) -> str:
+    return f"DEF-{_part(joint)}"
+
+
+def _cloud_control(joint: str) -> str:
+    return f"FK-{_part(joint)}"
+
+
+@pytest.mark.parametrize("onto", [Onto.FK, Onto.IK])
+@pytest.mark.parametrize(
+    ("family", "names", "controls", "reach"),
+    [
+        ("Auto-Rig Pro", _arp, _arp_control, _arp_reach()),
+        ("CloudRig", _cloud, _cloud_control, CLOUD_REACH),
+        ("CloudRig", _cloud, _cloud_control, CLOUD_REACH_SINCE),
+        ("Constraints", blender, lambda j: f"Anim {_part(j)}", OWN_REACH),
+    ],
+    ids=["Auto-Rig Pro", "CloudRig", "CloudRig since", "unknown"],
+)
+def test_limbs_of_other_families_are_switched_and_reach(
+    walk: Source,
+    onto: Onto,
+    family: str,
+    names: Callable[[str], str],
+    controls: Callable[[str], str],
+    reach: Reach,
+) -> None:
+    ob = control_rigs.controlled(names, controls, reach=reach)
+    outcome = scenes.give(walk, ob, Options(onto=onto))
+    told = outcome.report["controls"]
+    assert (told["family"], told["onto"]) == (family, onto.value)
+    keyed = {path.split('"')[1] for path, _ in scenes.curves_of(ob)}
+    ends = ("leftHand", "rightHand", "leftFoot", "rightFoot")
+    reached = onto is Onto.IK
+    assert {reach.control(end) in keyed for end in ends} == {reached or reach.holder("leftHand") != "Properties"}
+    for end in ends:
+        assert value(ob, reach.holder(end), reach.prop(end)) == (1.0 - reach.turned if reached else reach.turned)
+    assert off(ob, outcome).max() < (1.5 if reached else 0.01)
+    assert away(ob, outcome) < (2e-3 if reached else 1e-4)
+
+
+def test_limbs_that_nothing_but_inverse_kinematics_moves_reach_unasked(walk: Source) -> None:
+    ob = control_rigs.controlled(blender, lambda j: f"Anim {_part(j)}", reach=replace(OWN_REACH, holder=None))
+    outcome = scenes.give(walk, ob)
+    assert outcome.report["controls"]["onto"] == "fk"
+    assert {"Grab Foot.L", "Aim Thigh.L"} <= {path.split('"')[1] for path, _ in scenes.curves_of(ob)}
+    assert off(ob, outcome).max() < 1.5
+    assert away(ob, outcome) < 2e-3
+
+
+def test_feet_of_a_body_without_other_controls_are_taken_by_what_its_legs_aim_at(walk: Source) -> None:
+    ob = scenes.sprout()
+    control_rigs.pull(ob, ("UpperLeg.L", "LowerLeg.L", "Foot.L"), "Grab", "Aim")
+    outcome = scenes.give(walk, ob)
+    keyed = {path.split('"')[1] for path, _ in scenes.curves_of(ob)}
+    assert {"Grab", "Aim", "UpperLeg.R", "Hips"} <= keyed
+    assert not {"UpperLeg.L", "LowerLeg.L", "Foot.L"} & keyed
+    assert off(ob, outcome).max() < 1.5
+    assert away(ob, outcome) < 2e-3
+
+
+def test_a_switch_that_is_driven_itself_is_set_where_users_set_it(walk: Source) -> None:
+    ob = control_rigs.controlled(blender, lambda j: f"Anim {_part(j)}", reach=OWN_REACH)
+    dial = ob.pose.bones["Anim Head"]
+    dial["Arms and Legs"] = 0.0
+    for end in ("leftHand", "rightHand", "leftFoot", "rightFoot"):
+        driver = ob.driver_add(f'pose.bones["Properties"]["{OWN_REACH.prop(end)}"]').driver
+        driver.type = "AVERAGE"
+        read = driver.variables.new()
+        read.targets[0].id, read.targets[0].data_path = ob, 'pose.bones["Anim Head"]["Arms and Legs"]'
+    outcome = scenes.give(walk, ob, Options(onto=Onto.IK))
+    assert value(ob, "Anim Head", "Arms and Legs") == 1.0
+    assert off(ob, outcome).max() < 1.5
 
 
 def test_bones_that_share_a_turn_are_no_controls(walk: Source) -> None:

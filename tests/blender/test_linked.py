@@ -9,7 +9,7 @@ from morph_retarget.blender import actions
 from morph_retarget.blender.laying import Lay
 from morph_retarget.blender.retarget import Options, Source
 from morph_retarget.core.errors import RigError
-from tests.blender import scenes, window
+from tests.blender import scenes
 from tests.blender.command import Command
 from tests.blender.files import Files
 
@@ -112,13 +112,3 @@ def test_a_named_bone_that_is_not_there_is_refused(cli: Command, files: Files, o
     said = cli("retarget", files.clip("blend"), files.sprout, "-o", out / "o.blend", "--bones", "Head, Nobody")
     assert said.status == 2
     assert "no bone 'Nobody'" in said.errors[-1]
-
-
-def test_live_says_that_it_cannot_show_controls(rigify_file: Path) -> None:
-    with window.registered():
-        bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
-        ob = scenes.only_armature()
-        settings = bpy.context.scene.morph_retarget
-        settings.source, settings.target = scenes.walker(), ob
-        with pytest.raises(RuntimeError, match="controls"):
-            bpy.ops.morph_retarget.live_start()

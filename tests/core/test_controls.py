@@ -1,12 +1,16 @@
 """Which controls pose a rig: by the names of families, and by what bones copy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from morph_retarget.core import quat
 from morph_retarget.core.character import control_names, controls, deform_tree
+from morph_retarget.core.character.control_facts import BoneFacts, Follows
+from morph_retarget.core.character.control_limbs import Setting
 from morph_retarget.core.character.control_names import FAMILIES, Limb
-from morph_retarget.core.character.controls import BoneFacts, Follows, Setting, Wanted
+from morph_retarget.core.character.controls import Wanted
 from morph_retarget.core.errors import MappingError
 from morph_retarget.core.skeleton import Skeleton
 
@@ -222,3 +226,66 @@ def test_rigs_whose_bones_copy_others_are_controlled() -> None:
     assert deform_tree.is_controlled(deform, {name: ["x"] for name in deform[:6]})
     assert not deform_tree.is_controlled(deform, {name: ["x"] for name in deform[:2]})
     assert not deform_tree.is_controlled(deform[:4], {name: ["x"] for name in deform[:4]})
+
+
+# --- limbs by what inverse kinematics aims at ---
+
+ARM = Limb("arm", "DEF-a", "DEF-b", "DEF-c")
+"""An arm whose names tell nothing."""
+
+
+def arm(*, switch: tuple[str, str] | None = ("Dial", "Mode"), last: str = "M") -> list[BoneFacts]:
+    """Return an arm whose deform bones follow controls that turn it (T) and a mechanism that reaches (M).
+
+    Args:
+        switch: Drives the second of these two.
+        last: Which of them comes second.
+    """
+    first = "T" if last == "M" else "M"
+    drawn = [bone("Root"), bone("Hips", "Root"), bone("DEF-h", None, copying("Hips")), bone("Dial", props=("Mode",))]
+    for part, above in (("a", "Hips"), ("b", None), ("c", None)):
+        counts = (0.0, 1.0) if switch else (1.0, 1.0)
+        drawn += [
+            bone(f"T {part}", above or f"T {chr(ord(part) - 1)}"),
+            bone(
+                f"DEF-{part}", None, copying(f"{first} {part}"), copying(f"{last} {part}", switch=switch, counts=counts)
+            ),
+        ]
+    aim = Follows("IK", ("M c",), pole="Elbow Twin")
+    mechanism = [bone("M a", "Hips"), bone("M b", "M a", aim), bone("M c", "Roll")]
+    held = [
+        bone("Roll", "Grab"),
+        bone("Grab", "Root"),
+        bone("Elbow", "Root"),
+        BoneFacts("Elbow Twin", "Elbow", False, False),
+    ]
+    return [*drawn, *[replace(one, shaped=False) for one in mechanism], *held]
+
+
+def reached(facts: list[BoneFacts]) -> controls.Controls | None:
+    return controls.read(facts, Wanted(["DEF-h", "DEF-a", "DEF-b", "DEF-c"], {"hips": "DEF-h"}, [ARM]))
+
+
+def test_what_inverse_kinematics_aims_at_leads_to_the_outermost_control_that_carries_nothing_else() -> None:
+    found = reached(arm())
+    assert found is not None
+    (limb,) = found.limbs
+    assert (limb.control, limb.pole) == ("Grab", "Elbow")
+    assert [(s.bone, s.prop, s.value) for s in limb.turned] == [("Dial", "Mode", 0.0)]
+    assert [(s.bone, s.prop, s.value) for s in limb.reached] == [("Dial", "Mode", 1.0)]
+
+
+def test_a_limb_without_a_switch_reaches_always_when_that_is_what_it_follows_last() -> None:
+    found = reached(arm(switch=None))
+    assert found is not None
+    assert [(limb.control, limb.turned, limb.reached) for limb in found.limbs] == [("Grab", (), ())]
+    other = reached(arm(switch=None, last="T"))
+    assert other is not None
+    assert not other.limbs
+
+
+def test_a_limb_whose_end_does_not_turn_with_what_it_aims_at_is_turned() -> None:
+    facts = [replace(one, follows=()) if one.name == "DEF-c" else one for one in arm()]
+    found = reached(facts)
+    assert found is not None
+    assert not found.limbs

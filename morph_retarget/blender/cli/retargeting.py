@@ -12,13 +12,15 @@ from ...core.errors import FileError, MappingError, MotionError, listed
 from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
+from ...core.solve.jiggle_kinds import JiggleSettings
 from .. import actions, presets, retarget, rig, sampling, terrain
 from ..controls.task import Onto
 from ..io import load, save
 from ..io.load import Request
 from ..laying import Lay
+from ..properties import of_rig
 from ..retarget import Options, Outcome, Reference, Source
-from . import numbers
+from . import data, numbers
 from .messages import naming, say
 from .opening import add_rig_options, armature_here, axes, open_rig
 from .outputs import Outputs, set_range, set_rate
@@ -113,6 +115,12 @@ def _add_key_options(group: argparse._ArgumentGroup) -> None:  # pyright: ignore
     group.add_argument(
         "--bones", metavar="NAMES", default="", help="move only these bones or controls, as 'head,hand.L'"
     )
+    group.add_argument(
+        "--jiggles",
+        action="store_true",
+        help="let tails, ears, hair and the like of the targets follow, as far as the clip does not move them; "
+        "settings in a target's file count",
+    )
     group.add_argument("--name", default=Options.name, help=f"name of the new action (default {Options.name!r})")
 
 
@@ -159,6 +167,13 @@ def perform(
     Raises:
         MorphError: The request or an input cannot be used.
     """
+    with data.known():
+        return _performed(arguments, fresh, look)
+
+
+def _performed(
+    arguments: argparse.Namespace, fresh: bool, look: Callable[[bpy.types.Object, Outcome], None] | None
+) -> Done:
     target_map, source_map = _read_map(arguments.map), _read_map(arguments.source_map)
     outputs = Outputs(str(arguments.out), arguments.source, arguments.targets, arguments.report)
     job = _Job(arguments, outputs, options_of(arguments), Overrides(*axes(arguments), joints=target_map))
@@ -219,7 +234,10 @@ def _one(job: _Job, source: Source, ob: bpy.types.Object) -> Outcome:
     character = retarget.character_of(own, job.overrides)
     name = job.arguments.ground
     ground = terrain.ground_of(_ground_object(name), character) if name else None
-    return retarget.retarget(source, own, character, job.options, rig.scene_of(), ground=ground)
+    options = job.options
+    if options.jiggles:
+        options = replace(options, jiggles=of_rig(ob).jiggles.settings())
+    return retarget.retarget(source, own, character, options, rig.scene_of(), ground=ground)
 
 
 def _ground_object(name: str) -> bpy.types.Object:
@@ -236,7 +254,7 @@ def options_of(arguments: argparse.Namespace) -> Options:
     """Return what the options ask for.
 
     Raises:
-        MotionError: The reference is no frame, or the name of the action has unknown fields.
+        MotionError: The reference is no frame, the name of the action has unknown fields, or jiggles cannot be had.
     """
     kind, frame = Reference.AUTO, 1
     if arguments.reference in ("auto", "rest"):
@@ -260,7 +278,7 @@ def options_of(arguments: argparse.Namespace) -> Options:
         also=_pairs(arguments.also),
         feet=replace(FeetSettings(), lock=arguments.lock),
     )
-    return Options(
+    options = Options(
         settings,
         kind,
         frame,
@@ -271,7 +289,10 @@ def options_of(arguments: argparse.Namespace) -> Options:
         only=frozenset(name.strip() for name in arguments.bones.split(",") if name.strip()),
         lay=Lay(arguments.lay),
         controls=_read_controls(arguments.map),
+        jiggles=JiggleSettings() if arguments.jiggles else None,
     )
+    retarget.check_jiggles(options)
+    return options
 
 
 def _read_map(path: str | None) -> dict[str, str]:

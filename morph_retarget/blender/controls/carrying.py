@@ -1,14 +1,15 @@
 """Motion for deform bones as channels of the controls that pose them."""
 
-from collections.abc import Generator, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ...core.arrays import Array, Indices
+from ...core.character.control_limbs import Setting
 from ...core.character.control_names import Limb
-from ...core.character.controls import FOUND, Controls, Setting, Wanted, read
+from ...core.character.controls import FOUND, Controls, Wanted, read
 from ...core.errors import RigError
 from ...core.mocap import carrying
 from ...core.mocap.carrying import Handle, Handling, Seen, Values
@@ -66,6 +67,17 @@ def _can_reach(links: Links, limb: LimbLinks) -> bool:
     return len(limb.chain) == 3 or (len(limb.chain) == 4 and links.names[limb.chain[0]].endswith("Shoulder"))
 
 
+def is_plain(ob: bpy.types.Object, onto: Onto, given: Mapping[str, str]) -> bool:
+    """Return whether a motion goes onto the bones of an armature, so that no controls have to be looked for.
+
+    Args:
+        ob: The armature.
+        onto: What is asked for.
+        given: The user's own controls.
+    """
+    return onto is Onto.NONE or (onto is Onto.AUTO and not given and not reading.has_constraints(ob))
+
+
 def carry(
     task: Task, result: Result, onto: Onto, times: Times, scene: bpy.types.Scene
 ) -> Generator[float, None, Carried | None]:
@@ -86,13 +98,14 @@ def carry(
         MappingError: A control that the user has named does not exist.
     """
     target = task.target
-    if onto is Onto.NONE or (onto is Onto.AUTO and not task.given and not reading.has_constraints(target.object)):
+    if is_plain(target.object, onto, task.given):
         return None
     # Where few bones copy others, as twist bones do, and names tell of no controls, there are none.
     is_controlled = len(task.character.skeleton) < len(target.skeleton)
     with evaluating.stage(target, scene) as stage:
         found = controls_of(stage, task)
-        if found is not None and (onto is not Onto.AUTO or task.given or is_controlled or found.family != FOUND):
+        sure = found is not None and (found.family != FOUND or any(not limb.turned for limb in found.limbs))
+        if found is not None and (onto is not Onto.AUTO or task.given or is_controlled or sure):
             work = Work(task, found, onto, _settings(task, found, onto))
             return (yield from _carry(stage, work, result, times))
     if onto is Onto.AUTO and not is_controlled:
@@ -184,14 +197,16 @@ def _settings(task: Task, found: Controls, onto: Onto) -> list[Channel]:
     if only:
         both = [{*one.serves, *(found.turning.get(bone, bone) for bone in one.serves)} for one in chosen]
         chosen = [one for one, bones in zip(chosen, both, strict=True) if bones & only]
-    return [reading.setting(one.bone, one.prop, np.array([[one.value]])) for one in chosen]
+    # One switch may serve several limbs.
+    values = {(one.bone, one.prop): one.value for one in reversed(chosen)}
+    return [reading.setting(bone, prop, np.array([[value]])) for (bone, prop), value in values.items()]
 
 
 def _handles(work: Work) -> list[Handle]:
     """Return what is to be moved by which link, what carries others first."""
     found, links, index = work.controls, work.plan.links, work.target.skeleton.index
     names = work.plan.target.skeleton.names
-    reached = {limb.limb.end: limb for limb in found.limbs} if work.onto is Onto.IK else {}
+    reached = {limb.limb.end: limb for limb in work.reached}
     own = {part for limb in reached.values() for part in (limb.limb.upper, limb.limb.middle, limb.limb.end)}
     tips = {limb.limb.tip: limb.tip for limb in reached.values() if limb.tip is not None}
     controlled = np.array([names[int(b)] in found.turning or names[int(b)] in own for b in links.target])
@@ -223,7 +238,7 @@ def _handling(stage: Stage, work: Work) -> Generator[float, None, Handling]:
     handles = _handles(work)
     names, skeleton = work.target.skeleton.names, work.target.skeleton
     place = {names[handle.control]: i for i, handle in enumerate(handles)}
-    for limb in work.controls.limbs if work.onto is Onto.IK else ():
+    for limb in work.reached:
         # What hangs on the end of a limb is carried by whichever control poses it.
         place.setdefault(work.controls.turning.get(limb.limb.end, limb.control), place[limb.control])
     above = [place.get(work.controls.carriers.get(names[handle.control], ""), NONE) for handle in handles]

@@ -8,7 +8,8 @@ import bpy
 from ...core.character import deform_tree
 from ...core.character.analysis import Overrides, analyze
 from ...core.character.character import Character
-from ...core.character.controls import COPYING, MOST, BoneFacts, Wanted, without_names
+from ...core.character.control_facts import COPYING, MOST, BoneFacts
+from ...core.character.controls import Wanted, without_names
 from ..rig import Rig, pose_of
 from . import reading
 

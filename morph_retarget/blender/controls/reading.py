@@ -6,9 +6,9 @@ from collections.abc import Mapping
 import bpy
 import numpy as np
 
-from ...core.character.controls import BoneFacts, Follows
+from ...core.character.control_facts import BoneFacts, Follows
 from ..channels import Channel
-from ..rig import pose_of
+from ..rig import pose_bone, pose_of
 from .evaluating import Stage
 
 _LOW, _HIGH = 0.0, 1.0
@@ -32,6 +32,7 @@ def facts(stage: Stage) -> list[BoneFacts]:
                 counts[bone.name, constraint.name],
                 (_LOW, _HIGH),
                 "LOCAL" in constraint.owner_space,
+                _pole(ob, constraint),
             )
             for constraint in bone.constraints
             if (bone.name, constraint.name) in counts
@@ -58,6 +59,12 @@ def targets(ob: bpy.types.Object, constraint: bpy.types.Constraint) -> tuple[str
     return tuple(name for name in found if name)
 
 
+def _pole(ob: bpy.types.Object, constraint: bpy.types.Constraint) -> str | None:
+    """Return the bone of the same armature that the middle joint of inverse kinematics points to."""
+    own = isinstance(constraint, bpy.types.KinematicConstraint) and constraint.pole_target == ob
+    return (constraint.pole_subtarget or None) if own else None  # type: ignore[union-attr]
+
+
 def _switches(ob: bpy.types.Object) -> dict[tuple[str, str], Switch]:
     """Return the custom property that drives how far a constraint counts, by bone and constraint."""
     owners: dict[str, Switch] = {}
@@ -70,14 +77,24 @@ def _switches(ob: bpy.types.Object) -> dict[tuple[str, str], Switch]:
         for constraint in bone.constraints
         for prop in _COUNTS
     }
+    curves = ob.animation_data.drivers if ob.animation_data else ()
+    reads = {curve.data_path: own for curve in curves if (own := _reads(curve, owners)) is not None}
     out: dict[tuple[str, str], Switch] = {}
-    for curve in ob.animation_data.drivers if ob.animation_data else ():
-        place = places.get(curve.data_path)
-        variables = [] if curve.driver is None else list(curve.driver.variables)
-        read = [owners.get(target.data_path) for variable in variables for target in variable.targets]
-        if place is not None and read and read[0] is not None:
-            out[place] = read[0]
+    for driven, place in places.items():
+        source, seen = reads.get(driven), {driven}
+        while source is not None and source in reads and source not in seen:  # it is driven itself
+            seen.add(source)
+            source = reads[source]
+        if source is not None:
+            out[place] = owners[source]
     return out
+
+
+def _reads(curve: bpy.types.FCurve, owners: Mapping[str, Switch]) -> str | None:
+    """Return the data path of the first custom property of a bone that a driver reads."""
+    variables = [] if curve.driver is None else list(curve.driver.variables)
+    paths = [target.data_path for variable in variables for target in variable.targets]
+    return next((path for path in paths if path in owners), None)
 
 
 def path(bone: bpy.types.PoseBone, prop: str) -> str:
@@ -102,3 +119,10 @@ def _counts(stage: Stage, switches: Mapping[tuple[str, str], Switch]) -> dict[tu
 def setting(bone: str, prop: str, values: np.ndarray) -> Channel:
     """Return a custom property of a bone as a channel, values of shape (frame, 1)."""
     return Channel(bone, f'["{bpy.utils.escape_identifier(prop)}"]', values)
+
+
+def switch(ob: bpy.types.Object, channel: Channel) -> None:
+    """Give the custom property of a bone the first value of a channel that `setting` has made."""
+    bone = pose_bone(ob, channel.bone or "")
+    name = bpy.utils.unescape_identifier(channel.prop[2:-2])
+    bone[name] = type(bone[name])(channel.values[0, 0])

@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from ...core.arrays import Array
 from ...core.character.character import Character
+from ...core.character.control_limbs import LimbControls
 from ...core.character.controls import Controls
 from ...core.mocap.motion import Motion
 from ...core.mocap.plan import Plan
@@ -75,6 +76,11 @@ class Work:
     onto: Onto
     rest: Sequence[Channel]
     """Switches, one frame each."""
+
+    @property
+    def reached(self) -> Sequence[LimbControls]:
+        """Limbs that are brought to places: as asked for, or because nothing else moves them."""
+        return [limb for limb in self.controls.limbs if self.onto is Onto.IK or not limb.turned]
 
     @property
     def target(self) -> Rig:

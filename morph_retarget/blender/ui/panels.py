@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 from .. import live, presets
+from ..laying import Lay
 from ..operators.retargeting import latest
 from ..properties import MORPHRETARGET_PG_scene, of_rig, of_scene
 from ..rig import armature_of
@@ -242,6 +243,9 @@ class MORPHRETARGET_PT_keys(InTab, bpy.types.Panel):
         layout.prop(settings, "selected_only")
         layout.prop(settings, "resample")
         layout.prop(settings, "keep_others")
+        row = layout.row()
+        row.active = settings.lay != Lay.ADD.value
+        row.prop(settings, "jiggles")
 
 
 CLASSES = (

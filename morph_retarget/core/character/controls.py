@@ -5,97 +5,20 @@ first and has to be written on the second. Names tell most (`control_names`); wh
 bone copies, what that copies, and so on up to what nothing else moves.
 """
 
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import product
 
 from ..errors import MappingError
 from . import control_names
+from .control_facts import CARRYING, WHOLE, BoneFacts, upstream, upstream_of_all
+from .control_limbs import LimbControls, Setting, has, limb_controls, switch
 from .control_names import FAMILIES, Family, Limb
 from .joints import PARENTS
 
-CARRYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF", "DAMPED_TRACK", "STRETCH_TO"))
-"""Constraints by which a bone turns as another one does."""
-COPYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF"))
-MOST = 0.9
-"""A bone that follows another by less than this share only shares its turn, as twist bones do."""
-_WHOLE = frozenset(("COPY_TRANSFORMS", "ARMATURE"))
-DEPTH = 6
-"""So many constraints a control may be away from the bone that follows it."""
 LEAST = 4
 """A family is taken for a rig's own when it names the controls of at least as many bones."""
 GIVEN, FOUND = "User", "Constraints"
 """Families of rigs whose controls the user has named, and whose constraints have told them."""
-
-
-@dataclass(frozen=True)
-class Follows:
-    """A constraint of a bone to others of the same armature."""
-
-    kind: str
-    """Blender's name of its type."""
-    bones: tuple[str, ...]
-    switch: tuple[str, str] | None = None
-    """Bone and property that drive how far it counts, None when nothing does."""
-    counts: tuple[float, float] = (1.0, 1.0)
-    """How far it counts at the lowest and at the highest value of the property, or always."""
-    span: tuple[float, float] = (0.0, 1.0)
-    """These two values."""
-    local: bool = False
-    """Whether it adds to what carries the bone already."""
-
-    @property
-    def leads(self) -> bool:
-        """Whether the bone turns with what it follows, at least where that is switched on."""
-        return self.kind in COPYING and max(self.counts) >= MOST
-
-    @property
-    def decides(self) -> bool:
-        """Whether it leaves nothing of what carries the bone, whatever drives it."""
-        return not self.local and self.counts == (1.0, 1.0)
-
-
-@dataclass(frozen=True)
-class BoneFacts:
-    """What can be known of a bone of a control rig without posing it."""
-
-    name: str
-    parent: str | None
-    deform: bool
-    shaped: bool
-    """Whether it is drawn in a shape of its own, as controls are."""
-    follows: tuple[Follows, ...] = ()
-    properties: tuple[str, ...] = ()
-    """Its custom properties that are numbers."""
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A custom property of a bone and the value that it must have."""
-
-    bone: str
-    prop: str
-    value: float
-    serves: tuple[str, ...] = ()
-    """Deform bones for which that matters, empty for all."""
-
-
-@dataclass(frozen=True)
-class LimbControls:
-    """How a limb is brought to a place."""
-
-    limb: Limb
-    control: str
-    """Of its end."""
-    pole: str | None
-    """What the middle joint points to, None where the rig has no such control."""
-    tip: str | None
-    """What turns the toes meanwhile, None where that is no other control."""
-    turned: tuple[Setting, ...]
-    """What lets forward kinematics count."""
-    reached: tuple[Setting, ...]
-    """What lets inverse kinematics count."""
 
 
 @dataclass(frozen=True)
@@ -154,23 +77,24 @@ def read(facts: Sequence[BoneFacts], wanted: Wanted) -> Controls | None:
             control = _followed(rig, bone)
         if control is not None:
             turning[bone] = control
-    if all(bone == control for bone, control in turning.items()):
-        return None
     trunk = None if family is None else next((name for name in family.trunk if name in rig), None)
     hips = wanted.roles.get("hips", "")
     if hips in wanted.given:
         trunk = wanted.given[hips]
     trunk = trunk or turning.get(hips)
-    limbs = tuple(found for limb in wanted.limbs if (found := _limb(rig, family, limb, turning)))
+    found = [limb_controls(rig, family, limb, turning, _shared(rig, wanted, limb)) for limb in wanted.limbs]
+    limbs = tuple(limb for limb in found if limb is not None)
+    if all(bone == control for bone, control in turning.items()) and not limbs:
+        return None
     own = {*turning.values(), *([trunk] if trunk else ()), *(limb.control for limb in limbs)}
     own |= {name for limb in limbs for name in (limb.pole, limb.tip) if name}
     name = GIVEN if wanted.given and family is None else FOUND if family is None else family.name
-    settings = [] if family is None else [Setting(*one) for one in family.settings if _has(rig, one[0], one[1])]
+    settings = [] if family is None else [Setting(*one) for one in family.settings if has(rig, one[0], one[1])]
     bent = {limb.limb.upper for limb in limbs}
     for chain in wanted.chains:
-        switch = None if bent.intersection(chain) else _switch(rig, family, chain, turning)
-        settings += [replace(switch[0], serves=tuple(chain))] if switch else []
-    around = _upstream_of_all(rig, (*turning, *own))
+        other = None if bent.intersection(chain) else switch(rig, family, chain, turning)
+        settings += [replace(other[0], serves=tuple(chain))] if other else []
+    around = upstream_of_all(rig, (*turning, *own))
     still = tuple(name for name in rig if name in around and name not in own)
     switches = dict.fromkeys(f.switch for name in around for f in rig[name].follows if f.switch is not None)
     known = {(s.bone, s.prop) for s in (*settings, *(s for limb in limbs for s in (*limb.turned, *limb.reached)))}
@@ -185,10 +109,6 @@ def without_names(facts: Sequence[BoneFacts], wanted: Wanted) -> set[str]:
     """
     family, named = _family({bone.name: bone for bone in facts}, wanted)
     return set() if family is None else set(wanted.bones) - set(named) - set(wanted.given)
-
-
-def _has(rig: Mapping[str, BoneFacts], bone: str, prop: str) -> bool:
-    return bone in rig and prop in rig[bone].properties
 
 
 # --- by names ---
@@ -226,7 +146,7 @@ def _followed(rig: Mapping[str, BoneFacts], bone: str) -> str | None:
         return bone
     free = [
         name
-        for name in _upstream(rig, bone)
+        for name in upstream(rig, bone)
         if name != bone and not any(f.kind in CARRYING or f.kind == "IK" for f in rig[name].follows)
     ]
     shaped = [name for name in free if rig[name].shaped] or free
@@ -234,87 +154,14 @@ def _followed(rig: Mapping[str, BoneFacts], bone: str) -> str | None:
     return next(iter(turning), None)
 
 
-def _upstream(rig: Mapping[str, BoneFacts], bone: str) -> Iterator[str]:
-    """Yield a bone and all that it copies or what holds that, directly or not, nearest first."""
-    level, seen = [bone], {bone}
-    for _ in range(DEPTH):
-        yield from level
-        after = [b for name in level for b in _led_by(rig[name])]
-        level = [name for name in dict.fromkeys(after) if name not in seen and name in rig]
-        seen.update(level)
+_MIDDLE = ("hips", "spine", "chest", "upperChest", "neck", "head")
 
 
-def _led_by(bone: BoneFacts) -> list[str]:
-    """Return what a bone copies; for a mechanism that copies nothing, what holds it."""
-    copied = [b for f in bone.follows if f.leads for b in f.bones]
-    held = bone.parent is not None and not (copied or bone.shaped or bone.deform)
-    return [bone.parent] if held and bone.parent is not None else copied
-
-
-# --- limbs ---
-
-
-def _limb(
-    rig: Mapping[str, BoneFacts], family: Family | None, limb: Limb, turning: Mapping[str, str]
-) -> LimbControls | None:
-    """Return how a limb is brought to a place, None where the rig has no control for that."""
-    if family is None:
-        return None
-    control = control_names.among(family.reaching, control_names.bases(family, limb.end), rig)
-    if control is None:
-        return None
-    pole = control_names.of_limb(family, family.poles, limb, rig)
-    switch = _switch(rig, family, (limb.upper, limb.middle, limb.end), turning)
-    if switch is None:
-        return None
-    turned, reached = switch
-    beside = [Setting(turned.bone, prop, value) for prop, value in family.beside if _has(rig, turned.bone, prop)]
-    tip = control_names.among(family.reaching, control_names.bases(family, limb.tip), rig)
-    serves = (limb.upper, limb.middle, limb.end)
-    kinds = ((turned,), (reached, *beside))
-    own = [tuple(replace(setting, serves=serves) for setting in kind) for kind in kinds]
-    return LimbControls(limb, control, pole, tip, *own)
-
-
-def _switch(
-    rig: Mapping[str, BoneFacts], family: Family | None, chain: Sequence[str], turning: Mapping[str, str]
-) -> tuple[Setting, Setting] | None:
-    """Return what lets a limb follow its turning controls, and what lets it reach; None where nothing switches it."""
-    driven = _driven_switch(rig, chain, turning)
-    return driven if driven is not None or family is None else _named_switch(rig, family, chain)
-
-
-def _named_switch(rig: Mapping[str, BoneFacts], family: Family, chain: Sequence[str]) -> tuple[Setting, Setting] | None:
-    """Return the switch of a limb by the names of its family."""
-    _, end = control_names.split(chain[-1])
-    side = {"l": "left", "r": "right"}.get(end[1:2].lower(), "")
-    for upper, last, kind in product(chain, chain, ("arm", "leg")):
-        holder = control_names.of_limb(family, family.holders, Limb(kind, upper, upper, last), rig)
-        for pattern in family.switches if holder is not None else ():
-            prop = pattern.format(kind=kind, side=side)
-            if holder is not None and _has(rig, holder, prop):
-                return Setting(holder, prop, family.turned), Setting(holder, prop, family.reached)
-    return None
-
-
-def _driven_switch(
-    rig: Mapping[str, BoneFacts], chain: Sequence[str], turning: Mapping[str, str]
-) -> tuple[Setting, Setting] | None:
-    """Return the switch of a limb as drivers of constraints tell it."""
-    votes: Counter[tuple[str, str, float, float]] = Counter()
-    for part in chain:
-        for name in _upstream(rig, part):
-            for follows in rig[name].follows:
-                if follows.switch is None or follows.kind not in COPYING or follows.counts[0] == follows.counts[1]:
-                    continue
-                turns = any(turning.get(part) in (*_upstream(rig, b),) for b in follows.bones if b in rig)
-                rises = follows.counts[1] > follows.counts[0]
-                low, high = follows.span
-                votes[(*follows.switch, *((high, low) if turns == rises else (low, high)))] += 1
-    if not votes:
-        return None
-    (bone, prop, turned, reached), _ = votes.most_common(1)[0]
-    return Setting(bone, prop, turned), Setting(bone, prop, reached)
+def _shared(rig: Mapping[str, BoneFacts], wanted: Wanted, limb: Limb) -> dict[str, None]:
+    """Return all that the body besides a limb follows and hangs on."""
+    trunk = [wanted.roles[joint] for joint in _MIDDLE if joint in wanted.roles]
+    others = [bone for one in wanted.limbs if one != limb for bone in (one.upper, one.middle, one.end)]
+    return upstream_of_all(rig, [*trunk, *others])
 
 
 # --- who carries whom ---
@@ -327,24 +174,10 @@ def _carriers(rig: Mapping[str, BoneFacts], own: set[str]) -> dict[str, str]:
         name, seen = rig[control].parent, {control}
         while name is not None and name in rig and name not in own and name not in seen:
             seen.add(name)
-            copied = [f for f in rig[name].follows if f.kind in _WHOLE and f.bones and f.decides]
+            copied = [f for f in rig[name].follows if f.kind in WHOLE and f.bones and f.decides]
             name = copied[-1].bones[0] if copied else rig[name].parent
         if name is not None and name in own and name != control:
             out[control] = name
-    return out
-
-
-def _upstream_of_all(rig: Mapping[str, BoneFacts], bones: Iterable[str]) -> dict[str, None]:
-    """Return all that bones follow and hang on, and these again, themselves included."""
-    waiting, out = list(bones), dict[str, None]()
-    while waiting:
-        name = waiting.pop()
-        if name in out or name not in rig:
-            continue
-        out[name] = None
-        parent = rig[name].parent
-        waiting += [b for follows in rig[name].follows for b in follows.bones]
-        waiting += [] if parent is None else [parent]
     return out
 
 

@@ -65,17 +65,22 @@ class Chains:
         return len(self.bones)
 
 
-def find(character: Character, posed: Collection[int], settings: JiggleSettings) -> Chains:
+def find(
+    character: Character, posed: Collection[int], settings: JiggleSettings, among: Collection[int] | None = None
+) -> Chains:
     """Return what jiggles on a character.
 
     Args:
         character: What the rig is.
         posed: Bones that the action poses or whose movement something else owns.
         settings: How it jiggles.
+        among: Bones that may jiggle; all when None.
     """
     skeleton, tree = character.skeleton, character.skeleton.tree
     readings = read_names(skeleton.names)
     kinds = _kinds(character, posed, readings)
+    if among is not None:
+        kinds = {bone: kind for bone, kind in kinds.items() if bone in among}
     tips = _tips(character, kinds)
     size = float(np.ptp(skeleton.rest_positions, axis=0).max())
     bones: list[int] = []
