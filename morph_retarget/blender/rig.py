@@ -50,8 +50,13 @@ def armature_of(ob: bpy.types.Object) -> bpy.types.Armature:
 
 
 def pose_of(ob: bpy.types.Object) -> bpy.types.Pose:
-    """Return the pose of an armature object."""
-    assert ob.pose is not None, "armature objects have a pose"
+    """Return the pose of an armature object.
+
+    Raises:
+        RigError: Blender has made none yet, as for an object that is in no scene.
+    """
+    if ob.pose is None:
+        raise RigError(f"armature {ob.name!r} has no pose yet: link it to a scene, and show that")
     return ob.pose
 
 

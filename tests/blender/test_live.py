@@ -56,6 +56,17 @@ def test_a_skinned_mesh_follows_too(root: str) -> None:
         assert np.abs(followed - _skin(body)).max() < 1e-5
 
 
+def test_a_source_that_blender_has_made_no_pose_for_is_refused() -> None:
+    _, source, target = window.pair()
+    nobody = bpy.data.objects.new("Nobody", source.data)
+    nobody.animation_data_create().action = source.animation_data.action
+    assert nobody.pose is None
+    for operator in (ops.live_start, ops.retarget):
+        with pytest.raises(RuntimeError, match="'Nobody' has no pose yet: link it to a scene"):
+            operator(source="Nobody", target=target.name)
+    assert not live.following(target)
+
+
 @pytest.mark.parametrize("mode", ["XYZ", "AXIS_ANGLE"])
 def test_every_rotation_mode_follows(mode: str) -> None:
     _, _, target = window.pair()

@@ -62,6 +62,18 @@ def test_a_body_with_a_big_head_and_short_legs_is_found_without_names() -> None:
     assert {j: found.get(j) for j in _EXPECTED} == {j: names[j] for j in _EXPECTED}
 
 
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("numbers", [False, True])
+def test_the_user_s_up_axis_holds_whatever_is_seen(axis: int, numbers: bool) -> None:
+    bones = humanoid()
+    up = np.eye(3)[axis]
+    for side in (up, -up):
+        skeleton = skeleton_of(numbered(bones, np.random.default_rng(3))[0] if numbers else bones)
+        found = analyze(skeleton, None, Overrides(up=side))
+        assert np.allclose(found.frame.up, side, atol=1e-6)
+        assert abs(found.frame.forward @ side) < 1e-6
+
+
 @pytest.mark.parametrize("scale", [0.01, 1.0, 100.0])
 @pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (np.pi / 2, 0.0, 0.0), (0.0, 0.0, 2.0), (0.0, 0.0, np.pi)])
 def test_scaled_and_turned_objects_stand_as_they_do_in_the_world(scale: float, turn: tuple[float, ...]) -> None:

@@ -13,7 +13,7 @@ from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.errors import MotionError, RigError
 from morph_retarget.core.ground import Ground
-from morph_retarget.core.locomotion import course
+from morph_retarget.core.locomotion import course, getting_about
 from morph_retarget.core.locomotion.course import Course
 from morph_retarget.core.locomotion.footless import crawling, line
 from morph_retarget.core.locomotion.footless.crawling import Movement
@@ -29,7 +29,7 @@ from morph_retarget.core.solve import posing
 from tests import truth
 from tests.skeletons import skeleton_of
 from tools.creatures import CREATURES
-from tools.figure import Bone
+from tools.figure import Bone, humanoid
 
 PLAIN = GaitSettings()
 TIMES = np.arange(0.0, 8.0, 1.0 / 24.0)
@@ -515,8 +515,9 @@ def test_a_body_without_a_spine_cannot_wind() -> None:
 
 
 def test_a_stride_that_leads_nowhere_is_refused() -> None:
-    with pytest.raises(MotionError, match="stride is 0"):
-        _prepared(_snake(), _going(1.0), GaitSettings(stride=0.0))
+    for character in (_snake(), analyze(skeleton_of(humanoid()))):
+        with pytest.raises(MotionError, match="stride is 0"):
+            getting_about.prepare(character, _root(character), _going(1.0), GaitSettings(stride=0.0))
 
 
 def test_bodies_that_hang_on_nothing_are_told_of() -> None:

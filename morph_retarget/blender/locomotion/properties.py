@@ -191,7 +191,16 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         override=_OVERRIDABLE,
         update=tell_course,
     )
-    stride: _factor("Stride", "Length of the steps; shorter ones follow each other faster", _DEFAULT.stride, 4.0, 2.0)
+    stride: _number(
+        "Stride",
+        "Length of the steps; shorter ones follow each other faster",
+        _DEFAULT.stride,
+        min=0.01,
+        max=4.0,
+        soft_max=2.0,
+        subtype="FACTOR",
+        **_MANNER,
+    )
     step_height: _factor("Step Height", "How high feet are lifted", _DEFAULT.step_height, 10.0, 3.0)
     width: _factor(
         "Width", "How far to the side the feet are put down; at 0 they are on one line", _DEFAULT.width, 4.0, 2.0

@@ -22,6 +22,8 @@ DEGENERATE_SHAPE = -2.0
 LYING_SHAPE = 3.0
 """The same for a rig that only looks like a body when it is not upright in the world."""
 BLIND_TRUST = 0.15
+LEANING = 0.85
+"""Cosine of the angle between the axis from side to side and the user's up axis, from which on it cannot be that one."""
 FULLY_NAMED = 12
 """So many joints must have been found by name for a rig to be judged by its names alone."""
 
@@ -44,7 +46,7 @@ def look(evidence: Evidence, placement: Placement, up: Array | None) -> Sight:
         placement: Of its armature in the world; its axes are trial axes.
         up: The character's up in the world when the user knows it, unit vector.
     """
-    lateral = _lateral(evidence, placement)
+    lateral = _lateral(evidence, placement, up)
     best: Sight | None = None
     for trial in _ups(lateral, placement, up):
         left = quat.unit(lateral - (lateral @ trial) * trial)
@@ -82,10 +84,13 @@ def look_blind(evidence: Evidence, up: Array | None) -> Sight | None:
     return Sight(body, decision, BLIND_TRUST) if named >= FULLY_NAMED else None
 
 
-def _lateral(evidence: Evidence, placement: Placement) -> Array:
+def _lateral(evidence: Evidence, placement: Placement, up: Array | None) -> Array:
     axis, agreement = mirror.lateral_axis(evidence.positions, evidence.by_name)
     trials = [placement.rotation[:, i] for i in range(3)] + [WORLD_AXES[k] for k in ("+X", "+Y", "+Z")]
-    if agreement > 0.8:
+    if up is not None:
+        # What the user says of the up axis counts more than all that is seen.
+        trials = [t for t in trials if abs(float(t @ up)) < LEANING]
+    if agreement > 0.8 and (up is None or abs(float(axis @ up)) < LEANING):
         # Names know the direction to within a few degrees; the axes of the object are exact.
         nearest = max(trials, key=lambda t: abs(float(t @ axis)))
         return nearest if abs(float(nearest @ axis)) > 0.98 else axis

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..errors import MotionError
 from .foot_path import ARC, FootPath
 
 Layers = tuple[tuple[str, float], ...]
@@ -35,3 +36,12 @@ class GaitSettings:
     """How much feet and body tilt with the slope of the ground, 0 … 1."""
     path: FootPath = ARC
     """The way of a foot in flight."""
+
+    def check(self) -> None:
+        """Check that they lead anywhere.
+
+        Raises:
+            MotionError: The stride does not.
+        """
+        if not self.stride > 0.0:
+            raise MotionError(f"the stride is {self.stride:g}: give it a factor greater than 0")

@@ -13,7 +13,7 @@ import numpy as np
 from ...arrays import Array
 from ...character.character import Character
 from ...character.morphology import LimbKind
-from ...errors import MotionError, RigError
+from ...errors import RigError
 from ...ground import Ground
 from ..course import Course
 from ..settings import GaitSettings
@@ -92,8 +92,7 @@ def prepare(
         RigError: A snake is asked for and it has no spine.
         MotionError: The settings' stride leads nowhere.
     """
-    if settings.stride <= 0.0:
-        raise MotionError(f"the stride is {settings.stride:g}: give it a factor greater than 0")
+    settings.check()
     kind = choose(character, root) if movement is None else movement
     rest = character.local_to_character.points(character.skeleton.rest_positions[root])
     found = line.find(character, root)

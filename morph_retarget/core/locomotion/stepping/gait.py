@@ -101,7 +101,9 @@ def prepare(
 
     Raises:
         RigError: It has no legs.
+        MotionError: The settings' stride leads nowhere.
     """
+    settings.check()
     found = legs.find(character)
     if not found.legs:
         raise RigError("it has no legs to walk on: map its feet, or choose a movement without feet")
