@@ -219,6 +219,17 @@ def _slerp(a: Array, b: Array, t: Array, out: Array) -> None:
     out += np.einsum("...,...i->...i", np.copysign(later, sides), b)
 
 
+def mean(q: Array, shares: Array) -> Array:
+    """Return the mean of rotations less than half a turn apart, shape (..., n, 4) to (..., 4).
+
+    Args:
+        q: Rotations.
+        shares: How much each counts, shape (..., n).
+    """
+    alike = np.where(dot(q, q[..., :1, :]) < 0.0, -1.0, 1.0)
+    return normalize(((shares * alike)[..., None] * q).sum(axis=-2))
+
+
 def twist_about(q: Array, axis: Array) -> Array:
     """Return the twist part of ``q`` about unit ``axis``: ``q = swing * twist`` with the swing square to the axis."""
     along = dot(q[..., 1:], axis)[..., None]

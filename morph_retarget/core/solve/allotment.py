@@ -1,8 +1,8 @@
 """Allotting joints to goals: which joints bring which body to its place.
 
 A joint serves one goal, but for stems, which goals share (Hecker 2008 §4.3.3). Goals of the spine are for the spine
-phase; a body that the spine carries, such as a mouth, gives its goal to what carries it (§4.3.1). All else that leads
-from the trunk to a goal is a limb.
+phase; a body that the spine carries, such as a mouth, gives its goal to what carries it (§4.3.1), and several of them
+give theirs together. All else that leads from the trunk to a goal is a limb.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
@@ -102,6 +102,8 @@ class Allotment:
     tips: tuple[Tip, ...]
     unreachable: tuple[int, ...]
     """Bodies that nothing is left for."""
+    heads: tuple[Shared, ...] = ()
+    """Joints of a trunk that does not bend by itself, and several bodies beyond that hang on the last of them alone."""
 
     @property
     def hierarchy(self) -> Hierarchy:
@@ -109,18 +111,20 @@ class Allotment:
         return self.asked.hierarchy
 
     @cached_property
-    def turned(self) -> dict[int, int]:
-        """Bodies with a turn, and the goals that say it; what is given a goal for a place is given its turn as well."""
-        out = dict(self.asked.turned)
+    def turned(self) -> dict[int, tuple[int, ...]]:
+        """Bodies with a turn, and the goals that say it; who is given goals for places is given their turns as well."""
+        own = self.asked.turned
+        out: dict[int, tuple[int, ...]] = {body: (goal,) for body, goal in own.items()}
         for tip in self.tips:
-            if tip.owner in out:
-                out.setdefault(tip.body, out[tip.owner])
+            if tip.owner in own and tip.body not in own:
+                out[tip.body] = (*out.get(tip.body, ()), own[tip.owner])
         return out
 
     @cached_property
     def joints(self) -> frozenset[int]:
         """All joints of limbs."""
-        return frozenset(joint for limb in self.limbs for joint in limb.path)
+        of_heads = (joint for head in self.heads for joint in head.joints)
+        return frozenset((*(joint for limb in self.limbs for joint in limb.path), *of_heads))
 
     def carrier(self, limb: Limb) -> int:
         """Return the body that carries a limb, NONE when none does: of the trunk, one that can turn or the root."""
@@ -138,14 +142,17 @@ class Allotment:
 
 def allot(asked: Asked) -> Allotment:
     """Return which joints bring which body to its place; those nearer to the trunk choose first."""
-    stems = tuple(_stems(asked))
+    stems, heads = tuple(_stems(asked)), tuple(_heads(asked))
     # What only twists in a stem is no joint of the limbs beyond either.
-    taken = {bone for stem in stems for bone in stem.path}
+    taken = {bone for shared in (*stems, *heads) for bone in shared.path}
+    together = {body for head in heads for body in head.bodies}
     limbs: list[Limb] = []
     tips: list[Tip] = []
     unreachable: list[int] = []
     for place in asked.places:
         body = place.body
+        if body in together:
+            continue
         if joints := _joints(asked, body, taken):
             shared = tuple(joint for stem in stems if body in stem.bodies for joint in stem.joints)
             limbs.append(Limb(place.goal, body, joints, shared))
@@ -154,7 +161,7 @@ def allot(asked: Asked) -> Allotment:
             tips.append(Tip(place.goal, body, bent))
         else:
             unreachable.append(body)
-    return Allotment(asked, stems, tuple(limbs), tuple(tips), tuple(unreachable))
+    return Allotment(asked, stems, tuple(limbs), tuple(tips), tuple(unreachable), heads)
 
 
 # --- stems ---
@@ -186,6 +193,17 @@ def _shareable(asked: Asked, body: int) -> tuple[int, ...]:
     stops = {a for other in above if other in asked.posed for a in hierarchy.ancestors[other]}
     stops |= hierarchy.trunk | hierarchy.above_root | {*hierarchy.midline}
     return _up_to(stops, above)
+
+
+def _heads(asked: Asked) -> Iterator[Shared]:
+    """Yield necks, with their heads, that bring several bodies to places: all those that the same joints move."""
+    moved_by: dict[tuple[int, ...], list[int]] = {}
+    for body in () if asked.bends_spine else (place.body for place in asked.places):
+        path = () if body in asked.line else _joints_of_trunk(asked, body, frozenset())
+        moved_by.setdefault(path, []).append(body)
+    for path, bodies in moved_by.items():
+        if path and len(bodies) > 1:
+            yield Shared(path, path, tuple(bodies))
 
 
 # --- limbs ---
@@ -227,11 +245,11 @@ def _up_to(stops: Collection[int], above: Iterable[int]) -> tuple[int, ...]:
 
 
 def _bent_for(asked: Asked, body: int, tips: Iterable[Tip]) -> int | None:
-    """Return the body of the line that has a goal, or gets it unless it has one; None when the spine cannot help."""
+    """Return the body of the line that has a goal, or gets it if it has none; None when the spine cannot help."""
     if not asked.bends_spine:
         return None
     if body in asked.line:
         return body
     carrier = next((a for a in asked.hierarchy.ancestors[body] if a in asked.line), None)
-    is_free = not asked.hierarchy.is_on_limb(body) and not any(tip.body == carrier for tip in tips)
+    is_free = not asked.hierarchy.is_on_limb(body) and not any(tip.owner == carrier for tip in tips)
     return carrier if is_free else None

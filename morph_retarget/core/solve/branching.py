@@ -22,6 +22,8 @@ FOLLOWS = 4
 """How often a stem follows what is out of reach of its branches."""
 EAGER = 2.5
 """By how much more than they fall short the stem follows: it turns as it does, and loses part of it."""
+ROUNDS = 2
+"""How often bodies that count differently are looked at anew."""
 FAINT = 1e-3
 """Share of the branches' size below which goals do not tell how the last body twists."""
 
@@ -106,6 +108,29 @@ def solve(stem: Stem, goals: Array, weights: Array) -> Array:
             break
         short = (weights * error / np.maximum(distance, TINY))[..., None] * away
         target = target + EAGER * constraints.together(short)
+        turned = _turned(stem, target, goals, share, influence)
+    return turned
+
+
+def settle(stem: Stem, goals: Array, weights: Array) -> Array:
+    """Return how the joints of a stem turn which alone brings what has the goals to their places, shape as of `solve`.
+
+    The middle of the bodies goes to that of the goals, weighed by how much they count, and as far as the one that
+    counts most. Where they count differently that depends on how the last joint is turned, so it is found in rounds.
+
+    Args:
+        stem: The stem, with nothing beyond it.
+        goals: From where it starts, in the frame of what carries it [m], shape (frame, goal, 3).
+        weights: How much they count, shape (frame, goal).
+    """
+    share, influence = constraints.shares(weights), weights.max(axis=-1, keepdims=True)
+    rest, off = stem.lead + stem.tips, stem.tips - stem.chain.segments[0, -1]
+    goals = rest + influence[..., None] * (goals - rest)
+    target = (share[..., None] * (goals - off)).sum(axis=1)
+    turned = _turned(stem, target, goals, share, influence)
+    for _ in range(ROUNDS):
+        offsets = rotation.apply(last(stem, turned)[1][:, None], off)
+        target = (share[..., None] * (goals - offsets)).sum(axis=1)
         turned = _turned(stem, target, goals, share, influence)
     return turned
 

@@ -48,7 +48,7 @@ STRIDE = 0.12
 """Most that a limb swivels in a step [rad]."""
 SHORT, LONG = 0.02, 0.15
 """A limb whose end comes as near to its start as these shares of its length swivels not at all, and less."""
-BLOCK = 1 << 16
+BLOCK = 1 << 15
 """Beads are compared with capsules in blocks of frames, about so many at a time."""
 
 
@@ -191,16 +191,23 @@ class _Frames:
 
     @cached_property
     def parts(self) -> tuple[Array, Array, Array]:
-        """The points along the axis of the swivel, square to it and square to both, shapes as that of the points."""
+        """The points along the axis of the swivel, square to it and square to both, (3, frame, limb, joint + 1)."""
         axes = self.axes[:, :, None]
         along = quat.dot(self.points, np.broadcast_to(axes, self.points.shape))[..., None] * axes
         aside = self.points - along
-        return self.starts[:, :, None] + along, aside, quat.cross(axes, aside)
+        found = (self.starts[:, :, None] + along, aside, quat.cross(axes, aside))
+        along, aside, square = (_apart(part) for part in found)
+        return along, aside, square
+
+    @cached_property
+    def around(self) -> tuple[Array, Array]:
+        """Starts and ends of the axes around, shapes (3, frame, capsule)."""
+        return _apart(self.first), _apart(self.last)
 
     @cached_property
     def beads(self) -> tuple[Array, Array, Array]:
-        """The same of the beads of each pair, shapes (frame, pair, bead, 3)."""
-        along, aside, square = (_strung(part)[:, self.obstacles.bones] for part in self.parts)
+        """The same of the beads of each pair, shapes (3, bead, frame, pair)."""
+        along, aside, square = (_strung(part).take(self.obstacles.bones, axis=-1) for part in self.parts)
         return along, aside, square
 
     def angles(self) -> Array:
@@ -212,8 +219,8 @@ class _Frames:
             counts = depth / (depth + SOFT)
             # Where the penalty bends away from a ridge it is damped more than where it bends into a valley.
             stiff = depth * (np.maximum(-bend / HASTE, bend) + STIFFNESS)
-            pull = (counts * slope * depth).sum(axis=-1)
-            hold = own.shared * (counts * (slope * slope + stiff)).sum(axis=-1)
+            pull = (counts * slope * depth).sum(axis=0)
+            hold = own.shared * (counts * (slope * slope + stiff)).sum(axis=0)
             pull, hold = (np.add.reduceat(v, begin, axis=1) for v in (pull, hold))
             step = np.clip(pull / (hold + EFFORT), -STRIDE, STRIDE)
             angles[:, found] = np.clip(angles[:, found] - self.gains[:, found] * step, -own.most, own.most)
@@ -227,7 +234,7 @@ class _Frames:
         costs = np.empty((len(fan), len(still), len(found)))
         for i, angle in enumerate(fan):
             depth, _, _ = self.depths(still + angle, still)
-            costs[i] = np.add.reduceat((depth * depth).sum(axis=-1), begin, axis=1) + COST * angle * angle
+            costs[i] = np.add.reduceat((depth * depth).sum(axis=0), begin, axis=1) + COST * angle * angle
         least = costs.min(axis=0)
         gain = costs[FAN] - least
         weights = np.exp((least - costs) / np.maximum(EVEN * gain, TINY))
@@ -238,10 +245,10 @@ class _Frames:
     def collide(self) -> Flags:
         """Return in which frames anything does, shape (frame,)."""
         depth, _, _ = self.depths(np.zeros(self.gains.shape))
-        return np.any(depth > 0.0, axis=(1, 2))
+        return np.any(depth > 0.0, axis=(0, 2))
 
     def depths(self, angles: Array, others: Array | None = None) -> tuple[Array, Array, Array]:
-        """Return how deep beads lie in capsules and how that changes as limbs swivel, shapes (frame, pair, bead).
+        """Return how deep beads lie in capsules and how that changes as limbs swivel, shapes (bead, frame, pair).
 
         From 0 at the surface to 1 on the axis; its first derivative by the angle; and its second, as it is where a
         capsule goes on for ever, lest it jumps where one ends. ``others`` are the angles of the limbs that are in the
@@ -249,38 +256,49 @@ class _Frames:
         """
         own = self.obstacles
         first, last = self._axes_at(angles if others is None else others)
-        start = first[:, own.others, None]
-        axis = last[:, own.others, None] - start
+        start = first.take(own.others, axis=-1)[:, None]
+        axis = last.take(own.others, axis=-1)[:, None] - start
         along, aside, square = self.beads
-        cosine, sine = _turns(angles[:, own.limb])
+        turns = angles.take(own.limb, axis=-1)
+        cosine, sine = np.cos(turns), np.sin(turns)
         lever, move = cosine * aside + sine * square, cosine * square - sine * aside
-        away = along + lever - start
-        share = quat.dot(away, axis) / np.maximum(quat.dot(axis, axis), TINY)
-        away = away - np.minimum(np.maximum(share, 0.0), 1.0)[..., None] * axis
-        scale = own.clear**-2
-        depth = np.maximum(1.0 - scale * quat.dot(away, away), 0.0)
-        slope = np.where(depth > 0.0, -2.0 * scale * quat.dot(away, move), 0.0)
-        return depth, slope, 2.0 * scale * (quat.dot(away, lever) - quat.dot(move, move))
+        away = along + lever
+        away -= start
+        share = _dot(away, axis) / np.maximum(_dot(axis, axis), TINY)
+        away -= np.minimum(np.maximum(share, 0.0), 1.0) * axis
+        scale = (own.clear**-2).T[:, None]
+        depth = np.maximum(1.0 - scale * _dot(away, away), 0.0)
+        slope = np.where(depth > 0.0, -2.0 * scale * _dot(away, move), 0.0)
+        return depth, slope, 2.0 * scale * (_dot(away, lever) - _dot(move, move))
 
     def _axes_at(self, angles: Array) -> tuple[Array, Array]:
-        """Return starts and ends of the axes of all capsules when limbs have swivelled [m], (frame, capsule, 3)."""
+        """Return starts and ends of the axes of all capsules when limbs have swivelled [m], (3, frame, capsule)."""
         along, aside, square = self.parts
-        cosine, sine = _turns(angles)
-        places = along + cosine * aside + sine * square
-        bones = (len(places), -1, 3)
+        turns = angles[..., None]
+        places = along + np.cos(turns) * aside + np.sin(turns) * square
+        bones = (3, len(angles), -1)
+        first, last = self.around
         return (
-            np.concatenate([self.first, places[:, :, :-1].reshape(bones)], axis=1),
-            np.concatenate([self.last, places[:, :, 1:].reshape(bones)], axis=1),
+            np.concatenate([first, places[..., :-1].reshape(bones)], axis=2),
+            np.concatenate([last, places[..., 1:].reshape(bones)], axis=2),
         )
 
 
-def _turns(angles: Array) -> tuple[Array, Array]:
-    """Return cosines and sines for what has two more axes than the angles."""
-    return np.cos(angles)[..., None, None], np.sin(angles)[..., None, None]
+def _apart(vectors: Array) -> Array:
+    """Return vectors as one array for each of their coordinates, shape (..., 3) to (3, ...).
+
+    All that is done with them is done again and again; so each pass goes through memory in a line.
+    """
+    return np.ascontiguousarray(np.moveaxis(vectors, -1, 0))
+
+
+def _dot(a: Array, b: Array) -> Array:
+    """Return the inner product over the first axis, which is dropped."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def _strung(points: Array) -> Array:
-    """Return what beads have between joints, (frame, limb, joint + 1, 3) to (frame, bone, bead, 3)."""
-    starts, steps = points[:, :, :-1, None], np.diff(points, axis=2)[:, :, :, None]
-    beads = starts + np.linspace(1.0 / BEADS, 1.0, BEADS)[:, None] * steps
-    return beads.reshape(len(points), -1, BEADS, 3)
+    """Return what beads have between joints, (3, frame, limb, joint + 1) to (3, bead, frame, bone)."""
+    starts, steps = points[:, None, :, :, :-1], np.diff(points, axis=-1)[:, None]
+    beads = starts + np.linspace(1.0 / BEADS, 1.0, BEADS)[:, None, None, None] * steps
+    return beads.reshape(3, BEADS, points.shape[1], -1)

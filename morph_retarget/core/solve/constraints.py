@@ -65,6 +65,12 @@ def together(ways: Array) -> Array:
     return (sizes[..., None] * ways).sum(axis=1) / np.maximum(sizes.sum(axis=-1), TINY)[:, None]
 
 
+def shares(weights: Array) -> Array:
+    """Return the parts that some things have in their mean, alike where none of them counts, shape (..., n)."""
+    some = weights + TINY
+    return some / some.sum(axis=-1, keepdims=True)
+
+
 def smooth_step(value: Array, low: float, high: float) -> Array:
     """Return 0 below ``low``, 1 above ``high`` and a smooth way between."""
     t = np.minimum(np.maximum((value - low) / (high - low), 0.0), 1.0)

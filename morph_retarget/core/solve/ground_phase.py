@@ -195,7 +195,7 @@ def _bodies(hierarchy: Hierarchy, plan: Plan, own: frozenset[int], size: float) 
     """Yield the bodies that may be turned up: nothing beyond them has a place to come to, or is a limb of its own."""
     ends = {body for wave in plan.waves for body in wave.ends}
     busy = {joint for wave in plan.waves for limb in wave.limbs for joint in limb.joints} | {plan.root}
-    placed = {limb.body for wave in plan.waves for limb in wave.limbs}
+    placed = {body for wave in plan.waves for body in (*wave.rigid, *(limb.body for limb in wave.limbs))}
     if plan.trunk is not None:
         busy |= {*plan.trunk.joints}
         placed |= {plan.trunk.last, *(pin.owner for pin in plan.trunk.pins)}

@@ -129,7 +129,7 @@ class Hierarchy:
         """
         bones = np.linalg.norm(np.diff(self.rest[[*joints, body]], axis=0), axis=-1)
         full = float(bones.sum())
-        return full, max(2.0 * float(bones.max()) - full, 0.0)
+        return full, max(2.0 * float(bones.max(initial=0.0)) - full, 0.0)
 
     @cached_property
     def _humanoid_limbs(self) -> list[tuple[int, ...]]:

@@ -47,6 +47,8 @@ class Wave:
     """Their places among the goals, shape (limb,); those of all that branches off a stem, shape (goal,)."""
     stem: Stem | None = None
     """What the only one of the limbs is, if several goals share it."""
+    rigid: tuple[int, ...] = ()
+    """Bodies of these goals that the stem alone brings to their places."""
     limited: LimitedLimbs | None = None
     """Limits of their joints, None when there are none."""
     obstacles: Obstacles | None = None
@@ -102,6 +104,16 @@ class Trunk:
         return (*self.joints[1:], self.last)
 
     @cached_property
+    def pinned(self) -> dict[int, list[Pin]]:
+        """The pins of each branch point that has any: several where goals are delegated to the same body."""
+        return {pin.node: [own for own in self.pins if own.node == pin.node] for pin in self.pins}
+
+    @property
+    def shares(self) -> bool:
+        """Whether several goals are delegated to one body."""
+        return len(self.pinned) < len(self.pins)
+
+    @cached_property
     def drawn(self) -> dict[int, int]:
         """Bodies whose joints move when bones of the spine stretch, and the places of these bones among its joints."""
         if self.spine.free is None:
@@ -137,7 +149,8 @@ class Plan:
     trunk: Trunk | None
     waves: tuple[Wave, ...]
     turned: dict[int, int]
-    """Bodies with a turn of their own, and the goals that say it; mouths on the spine delegate theirs."""
+    """Bodies with a turn of their own, and the goals that say it; mouths on the spine delegate theirs. From the number
+    of goals on, one of `means`."""
     level: dict[int, int]
     """Bodies that keep their rest orientation as far as they have a place but no turn, and the goals: feet do."""
     leaders: Indices
@@ -159,6 +172,8 @@ class Plan:
     """Bodies that cannot, so that limbs and pieces of the spine keep their lengths."""
     detached: Mapping[int, int] = field(default_factory=dict[int, int])
     """Feet and hands that do not hang on what carries them, and what each hangs on, NONE when it hangs on nothing."""
+    means: tuple[tuple[int, tuple[int, ...]], ...] = ()
+    """Bodies that several goals give their turns to, and these goals."""
 
     @cached_property
     def led_by(self) -> Indices:
@@ -171,7 +186,8 @@ class Plan:
         """Return the joints that bring a body to its place, none where nothing does."""
         if self.trunk is not None and any(pin.owner == body for pin in self.trunk.pins):
             return self.trunk.joints
-        return next((limb.path for wave in self.waves for limb in wave.limbs if limb.body == body), ())
+        own = ((wave, limb) for wave in self.waves for limb in wave.limbs)
+        return next((limb.path for wave, limb in own if body in (wave.rigid or (limb.body,))), ())
 
     @cached_property
     def ends(self) -> tuple[int, ...]:

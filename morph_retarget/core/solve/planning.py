@@ -57,7 +57,9 @@ def prepare(
     level = {limb.body: limb.goal for limb in allotment.limbs if hierarchy.is_foot(limb.body)}
     pulled = tuple(dict.fromkeys(_pulled(trunk, waves)))
     driven = _driven(allotment, trunk, {*level, *pulled})
-    tree = hierarchy.tree
+    tree, turned = hierarchy.tree, allotment.turned
+    means = tuple((body, goals) for body, goals in turned.items() if len(goals) > 1)
+    place_of = {body: len(wanted) + i for i, (body, _) in enumerate(means)}
     moving = driven | hierarchy.loose | {*tree.roots}
     order = tree.order
     leading = tuple(body for body in order if body in moving)
@@ -67,7 +69,7 @@ def prepare(
         root,
         trunk,
         waves,
-        allotment.turned,
+        {body: place_of.get(body, goals[0]) for body, goals in turned.items()},
         level,
         _leaders(hierarchy, moving),
         leading,
@@ -79,6 +81,7 @@ def prepare(
         tuple(dict.fromkeys((*pulled, *hierarchy.detached))),
         tuple(dict.fromkeys(_stiff(trunk, waves, fixed))) if settings.allows_stretch else (),
         hierarchy.detached,
+        means,
     )
 
 

@@ -34,6 +34,9 @@ from .planning import prepare
 from .spine import Rest
 from .state import State, stacked, toward
 
+ROUNDS = 2
+"""How often bodies that several goals are delegated to are looked at anew, as they have been turned."""
+
 __all__ = ["NONE", "BodyPose", "Plan", "prepare", "solve"]
 
 
@@ -96,7 +99,7 @@ class BodyPose:
 
 def solve(plan: Plan, goals: Goals) -> BodyPose:
     """Return the pose that meets the goals."""
-    state = State.of(plan, goals)
+    state = State.of(plan, goals.with_means(plan.means))
     if plan.nudge is not None:
         state = _nudged(state, plan.nudge)
     if plan.trunk is not None:
@@ -136,6 +139,11 @@ def _bend(state: State, trunk: Trunk) -> None:
     wanted = _wanted_of(state, trunk, rest, base, back)
     bent = spine_phase.solve(rest, wanted)
     turns = np.matmul(carried[:, None], bent.turns)
+    for _ in range(ROUNDS if trunk.shares else 0):
+        base |= {joint: turns[:, i] for i, joint in enumerate(trunk.joints)}
+        wanted = _wanted_of(state, trunk, rest, base, back)
+        bent = spine_phase.solve(rest, wanted)
+        turns = np.matmul(carried[:, None], bent.turns)
     for i, joint in enumerate(trunk.joints):
         turned = turns[:, i]
         if wanted.counts is not None:
@@ -161,10 +169,13 @@ def _wanted_of(state: State, trunk: Trunk, rest: Rest, base: Mapping[int, Array]
     goals, plan, start = state.goals, state.plan, state.place(trunk.joints[0])
     nodes, frames = len(trunk.spine.nodes), len(goals)
     pins, pinned = np.zeros((frames, nodes, 3)), np.zeros((frames, nodes))
-    for pin in trunk.pins:
+    for node, own in trunk.pinned.items():
         # A goal that is delegated stands off what it is given to, turned as that shall be.
-        pins[:, pin.node] = goals.positions[:, pin.goal] - rotation.apply(base[pin.body], pin.offset) - start
-        pinned[:, pin.node] = goals.position_influence[:, pin.goal]
+        places = [goals.positions[:, pin.goal] - rotation.apply(base[pin.body], pin.offset) - start for pin in own]
+        counts = goals.position_influence[:, [pin.goal for pin in own]]
+        parts = constraints.shares(counts)[..., None]
+        pins[:, node] = places[0] if len(own) == 1 else (parts * np.stack(places, axis=1)).sum(axis=1)
+        pinned[:, node] = counts.max(axis=1)
     pulls, counts, held = list(trunk.pulls), trunk.spine.counts, np.zeros(frames)
     if trunk.last in plan.turned:
         held = goals.rotation_influence[:, plan.turned[trunk.last]]
@@ -256,7 +267,7 @@ def _solved(wave: Wave, along: Array, influence: Array) -> tuple[Array, Array | 
     Arguments as for `_counted`, which returns the ways.
     """
     if wave.stem is not None:
-        own = branching.solve(wave.stem, along, influence)
+        own = (branching.settle if wave.rigid else branching.solve)(wave.stem, along, influence)
         if wave.elastic is None:
             return own, None
         return own, stretching.of_stem(wave.elastic, wave.stem, own, along, influence)

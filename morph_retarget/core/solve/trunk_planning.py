@@ -95,11 +95,12 @@ def _points(allotment: Allotment) -> list[Array]:
 
 
 def _is_beyond(allotment: Allotment, owner: int, body: int) -> bool:
-    """Return whether the last bone of the line is to end where the owner of a delegated goal is.
+    """Return whether the last bone of the line is to end where the owners of delegated goals are.
 
-    Not if that has a turn: it is the bone's then, and together they say where its joint is.
+    Not if one has a turn: it is the bone's then, and together they say where its joint is.
     """
-    return body == allotment.asked.line[-1] and body != owner and owner not in allotment.turned
+    owners = [tip.owner for tip in allotment.tips if tip.body == body]
+    return body == allotment.asked.line[-1] and body != owner and allotment.asked.turned.keys().isdisjoint(owners)
 
 
 def _pinned(allotment: Allotment, owner: int, body: int) -> int:

@@ -65,7 +65,7 @@ def waves_of(
 
 def _rounds(allotment: Allotment) -> Iterator[_Round]:
     """Yield what can be solved next, until all is."""
-    limbs, stems, ancestors = list(allotment.limbs), list(allotment.stems), allotment.hierarchy.ancestors
+    limbs, stems, ancestors = list(allotment.limbs), [*allotment.stems, *allotment.heads], allotment.hierarchy.ancestors
     while limbs or stems:
         left = {body for limb in limbs for body in (*limb.joints, limb.body)}
         left |= {joint for stem in stems for joint in stem.joints}
@@ -92,11 +92,11 @@ def _wave(hierarchy: Hierarchy, limbs: Sequence[Limb], settings: SolverSettings)
 
 
 def _stem(allotment: Allotment, shared: Shared, settings: SolverSettings) -> Wave:
-    """Return what some goals share of a limb: one limb to the middle of the bodies that have them."""
+    """Return what some goals share of a limb, or all of it: one limb to the middle of the bodies that have them."""
     hierarchy, joints, bodies = allotment.hierarchy, shared.joints, shared.bodies
     names, last = hierarchy.names, joints[-1]
     paths = {limb.body: limb.path for limb in allotment.limbs}
-    beyond = [paths[body][paths[body].index(last) + 1 :] for body in bodies]
+    beyond = [paths[body][paths[body].index(last) + 1 :] if body in paths else () for body in bodies]
     points, tips = hierarchy.rest[list(joints)], hierarchy.rest[list(bodies)]
     # What has a goal of its own, such as a hand, has its settings for the limb that leads to it.
     own = settings if last in allotment.asked.posed else settings.of_limb(names[last])
@@ -104,9 +104,11 @@ def _stem(allotment: Allotment, shared: Shared, settings: SolverSettings) -> Wav
     chain = Limbs.of([line], [_hint(hierarchy, bodies[0])], [own], [_side(hierarchy, last)])
     lengths = [hierarchy.lengths(path, body) for path, body in zip(beyond, bodies, strict=True)]
     slow_down = [settings.of_limb(names[body]).slow_down for body in bodies]
-    stem = Stem.of(points, hierarchy.rest[[path[0] for path in beyond]], tips, lengths, slow_down, chain)
+    first = [path[0] if path else body for path, body in zip(beyond, bodies, strict=True)]
+    stem = Stem.of(points, hierarchy.rest[first], tips, lengths, slow_down, chain)
     goals = [place.goal for body in bodies for place in allotment.asked.places if place.body == body]
-    return Wave((Limb(goals[0], beyond[0][0], joints),), chain, np.array(goals, dtype=np.intp), stem)
+    rigid = tuple(body for body in bodies if body not in paths)
+    return Wave((Limb(goals[0], first[0], joints),), chain, np.array(goals, dtype=np.intp), stem, rigid)
 
 
 def _hint(hierarchy: Hierarchy, body: int) -> Array:
