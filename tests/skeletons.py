@@ -1,6 +1,7 @@
 """Figures as skeletons and motions, for tests of the core."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -62,3 +63,22 @@ def joints(character: Character, pose: Pose, *names: str) -> Array:
     bones = [character.bone(name) for name in names]
     assert None not in bones
     return character.local_to_character.points(pose.positions[:, bones])
+
+
+def bent(skeleton: Skeleton, amount: float, seed: int) -> Skeleton:
+    """Return a skeleton whose rest is bent at every bone, as if posed at random.
+
+    Args:
+        skeleton: At rest.
+        amount: Standard deviation of the turn about each axis [rad].
+        seed: Of the turns.
+    """
+    turns = quat.from_rotation_vector(np.random.default_rng(seed).normal(0.0, amount, (len(skeleton), 3)))
+    heads, tails = skeleton.rest_positions.copy(), skeleton.rest_tails.copy()
+    for bone, parent in enumerate(skeleton.parents):
+        if parent >= 0:
+            turns[bone] = quat.multiply(turns[parent], turns[bone])
+            step = skeleton.rest_positions[bone] - skeleton.rest_positions[parent]
+            heads[bone] = heads[parent] + quat.rotate(turns[parent], step)
+        tails[bone] = heads[bone] + quat.rotate(turns[bone], skeleton.rest_tails[bone] - skeleton.rest_positions[bone])
+    return replace(skeleton, rest_positions=heads, rest_tails=tails)

@@ -2,7 +2,7 @@
 
 import importlib.util
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.character.joints import mirrored
 from morph_retarget.core.skeleton import Skeleton
+from tests import skeletons
 
 Table = Mapping[str, Any]
 CAPABILITIES = ("foot", "spine", "head", "tail", "grasper")
@@ -87,6 +88,11 @@ def nameless(of: Rig) -> Rig:
     bones = _bones(of)
     numbers = np.random.default_rng(0).permutation(len(bones)) + 1
     return _build(bones, of.table, {n: f"joint{k}" for n, k in zip(bones, numbers, strict=True)})
+
+
+def bent(of: Rig, amount: float, seed: int) -> Rig:
+    """Return the rig with its rest bent at every bone, see `skeletons.bent`."""
+    return replace(of, skeleton=skeletons.bent(of.skeleton, amount, seed))
 
 
 # --- clutter ---

@@ -38,7 +38,14 @@ def options_of(scene: bpy.types.Scene, target: bpy.types.Object) -> Options:
     chosen = of_scene(scene).options()
     settings = replace(chosen.settings, also=of_rig(target).further())
     jiggles = of_rig(target).jiggles.settings() if of_scene(scene).jiggles else None
-    return replace(chosen, settings=settings, controls=of_rig(target).controls(), only=only, jiggles=jiggles)
+    return replace(
+        chosen,
+        settings=settings,
+        controls=of_rig(target).controls(),
+        reaches=of_rig(target).reaches(),
+        only=only,
+        jiggles=jiggles,
+    )
 
 
 def source_of(

@@ -37,7 +37,12 @@ class _Carried:
     def fits(self, task: Task, result: Result, onto: Onto) -> bool:
         """Return whether the same would come of other work."""
         ours, theirs = self.task, task
-        same = (ours.given, set(ours.only), self.onto) == (theirs.given, set(theirs.only), onto)
+        same = (ours.given, ours.reaches, set(ours.only), self.onto) == (
+            theirs.given,
+            theirs.reaches,
+            set(theirs.only),
+            onto,
+        )
         points, others = self.result.motion.points, result.motion.points
         return same and (
             points.shape == others.shape
@@ -207,7 +212,9 @@ def _followed(source: bpy.types.Object) -> tuple[int, int]:
 
 def _is_plain(scene: bpy.types.Scene, target: bpy.types.Object) -> bool:
     """Return whether a target is posed by its bones, so that its motion is found without asking Blender."""
-    return carrying.is_plain(target, Onto(of_scene(scene).onto), of_rig(target).controls())
+    return carrying.is_plain(
+        target, Onto(of_scene(scene).onto), {*of_rig(target).controls(), *of_rig(target).reaches()}
+    )
 
 
 def _prepare(

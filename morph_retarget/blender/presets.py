@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 
 from ..core.character import map_file
+from ..core.character.control_given import Reaching
 from ..core.errors import FileError
 
 _folder: list[Path] = []
@@ -49,35 +50,18 @@ def write(path: Path, text: str) -> None:
         raise FileError(f"{path}: cannot be written ({error.strerror}): choose another place") from error
 
 
-def save(path: Path, joints: dict[str, str], controls: dict[str, str] | None = None) -> None:
+def save(
+    path: Path,
+    joints: dict[str, str],
+    controls: dict[str, str] | None = None,
+    reaches: dict[str, Reaching] | None = None,
+) -> None:
     """Write a joint map, with the controls that the user has named.
 
     Raises:
         FileError: It cannot be written.
     """
-    write(path, map_file.preset(joints, controls or {}))
-
-
-def load(path: Path) -> dict[str, str]:
-    """Read a joint map.
-
-    Raises:
-        FileError: It cannot be read.
-        MappingError: It is no joint map.
-    """
-    return map_file.parse(_text(path), str(path))
-
-
-def load_controls(path: Path) -> dict[str, str]:
-    """Read the controls that a joint map names, joint to bone; errors as for `load`."""
-    return map_file.parse_controls(_text(path), str(path))
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise FileError(f"{path}: cannot be read as a joint map: check the path") from error
+    write(path, map_file.preset(joints, controls or {}, reaches))
 
 
 def delete(name: str) -> None:

@@ -19,6 +19,7 @@ from bpy.props import (
 
 from ..core.character.analysis import Overrides
 from ..core.character.character import Character
+from ..core.character.control_given import Reaching
 from ..core.character.frame import WORLD_AXES, axis
 from ..core.character.joints import PARENTS, JointMatch
 from ..core.errors import MappingError
@@ -102,6 +103,25 @@ class MORPHRETARGET_PG_joint(bpy.types.PropertyGroup):
         update=_changed,
         override=_OVERRIDABLE,
     )
+    reach: StringProperty(
+        name="IK Control",
+        description="Bone that brings this hand or foot to a place; found by itself when empty",
+        update=_changed,
+        override=_OVERRIDABLE,
+    )
+    pole: StringProperty(
+        name="Pole",
+        description="Bone that the elbow or knee of this limb points to; found by itself when empty",
+        update=_changed,
+        override=_OVERRIDABLE,
+    )
+    switch: StringProperty(
+        name="Switch",
+        description="Data path of the bone's property that switches this limb, and its value for IK, as "
+        'Properties["ik_left_arm"] = 1; found by itself when empty',
+        update=_changed,
+        override=_OVERRIDABLE,
+    )
     also: StringProperty(
         name="Further Bones",
         description="Further bones that turn as this joint of the source does, separated by commas",
@@ -110,6 +130,10 @@ class MORPHRETARGET_PG_joint(bpy.types.PropertyGroup):
     )
     confidence: FloatProperty(name="Confidence", description="How sure the match is", min=0.0, max=1.0)
     by: StringProperty(name="Found By", description="What decided: name, topology, geometry, user or preset")
+
+    def hold(self, said: Reaching) -> None:
+        """Keep what is said of how the joint is brought to a place."""
+        self.reach, self.pole, self.switch = said.control, said.pole, said.switch
 
 
 class MORPHRETARGET_PG_contact(bpy.types.PropertyGroup):
@@ -159,6 +183,7 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
         """Fill the list with what was found; all joints are listed, those without a bone too."""
         given = {joint.name: joint.by for joint in self.joints if joint.by in BY_USER}
         controls, further = self.controls(), {joint.name: joint.also for joint in self.joints}
+        reaches = self.reaches()
         with together():
             self.joints.clear()
             for name in PARENTS:
@@ -167,6 +192,7 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
                 joint.name, joint.bone = name, match.bone
                 joint.confidence, joint.by = match.confidence, given.get(name, match.by)
                 joint.control, joint.also = controls.get(name, ""), further.get(name, "")
+                joint.hold(reaches.get(name, Reaching()))
         self.active_joint = min(self.active_joint, len(self.joints) - 1)
         self.kind = "Humanoid" if character.humanoid else f"Creature, {len(character.legs)} legs"
 
@@ -181,6 +207,11 @@ class MORPHRETARGET_PG_rig(Performer, Solved, Jiggler, Walker, Directed, bpy.typ
     def controls(self) -> dict[str, str]:
         """Return the controls that the user has named, joint to bone."""
         return {joint.name: joint.control for joint in self.joints if joint.control}
+
+    def reaches(self) -> dict[str, Reaching]:
+        """Return what the user says of how hands and feet are brought to places, by joint."""
+        said = {joint.name: Reaching(joint.reach, joint.pole, joint.switch) for joint in self.joints}
+        return {name: reach for name, reach in said.items() if reach != Reaching()}
 
     def further(self) -> tuple[tuple[str, str], ...]:
         """Return joints with the further bones that the user lets follow them."""

@@ -11,6 +11,7 @@ import numpy as np
 from ..core import jiggling, pipeline, report
 from ..core.character.analysis import Overrides, analyze
 from ..core.character.character import Character
+from ..core.character.control_given import Reaching
 from ..core.errors import MotionError, RigError
 from ..core.ground import Ground
 from ..core.jiggling import Jiggling
@@ -66,6 +67,8 @@ class Options:
     """Whether bones are keyed, or the controls that pose them."""
     controls: Mapping[str, str] = field(default_factory=dict[str, str])
     """The user's own controls, by joint."""
+    reaches: Mapping[str, Reaching] = field(default_factory=dict[str, Reaching])
+    """What the user says of how hands and feet are brought to places, by joint."""
     only: frozenset[str] = frozenset()
     """Bones or controls of the target that are to be moved, all others keep their animation; all when empty."""
     lay: Lay = Lay.REPLACE
@@ -261,7 +264,8 @@ def task_of(
         body = deforming.body_of(target, character, [bone for _, bone in options.settings.also])
     rig_of_body, its_character = body or (target, character)
     plan, result = transfer(source, rig_of_body, its_character, options, given, ground)
-    return Task(target, its_character, plan, options.controls, _existing(target, options.only)), result
+    only = _existing(target, options.only)
+    return Task(target, its_character, plan, options.controls, options.reaches, only), result
 
 
 def _existing(target: Rig, bones: frozenset[str]) -> frozenset[str]:

@@ -1,6 +1,6 @@
 """How well annotations are found in real clips, against strikes that were read by eye (`tests/strikes.py`)."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -73,19 +73,23 @@ def _apart(frames: float, period: float) -> float:
     return abs((frames + 0.5 * period) % period - 0.5 * period) if period else abs(frames)
 
 
-def judged(data: Path) -> Iterator[Judgement]:
-    """Yield what is found in all clips that were read."""
+def opened(path: Path) -> list[bpy.types.Object]:
+    """Replace the open file with what a file holds and return its armatures."""
+    return load(Request(path))
+
+
+def judged(data: Path, opening: Callable[[Path], list[bpy.types.Object]] = opened) -> Iterator[Judgement]:
+    """Yield what is found in all clips that were read, of files that are opened by ``opening``."""
     for path in dict.fromkeys(read.path for read in READ):
         own = [read for read in READ if read.path == path]
-        for read, source in zip(own, _sources(data / path, [read.action for read in own]), strict=True):
+        for read, source in zip(own, _sources(opening(data / path), [read.action for read in own]), strict=True):
             clip = source.clip
             yield Judgement(read, finding.find(source.character, clip.pose, clip.seconds_per_frame))
 
 
-def _sources(path: Path, endings: list[str]) -> list[Source]:
-    """Return motions of a file by how the names of their actions end; the shortest name that fits counts."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    armature = max(load(Request(path)), key=lambda ob: len(armature_of(ob).bones))
+def _sources(armatures: list[bpy.types.Object], endings: list[str]) -> list[Source]:
+    """Return motions of the open file by how the names of their actions end; the shortest name that fits counts."""
+    armature = max(armatures, key=lambda ob: len(armature_of(ob).bones))
     out: list[Source] = []
     for ending in endings:
         action = min((a for a in bpy.data.actions if a.name.endswith(ending)), key=lambda a: len(a.name))

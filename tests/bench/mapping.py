@@ -19,6 +19,8 @@ LARGE = range(130, 201)
 """Bones of the rigs whose time has a goal …"""
 LARGE_MS = 100.0
 """… which is this [ms]."""
+BENT = 0.35
+"""Standard deviation of the turns of bent rests [rad]."""
 BUILT = Build(spine=6, fingers=5, twists=13, root=True)
 """A figure of 160 bones, timed when there are no real rigs."""
 
@@ -60,6 +62,11 @@ def _trials(people: list[Rig]) -> list[Figure]:
         total = _total([truth.cluttered(rig, kind) for rig in people])
         print(_line(f"with {kind}", total))
         figures.append(Figure(f"mapping: joints right, {kind} added", _percent(total), "%", 99.0, at_least=True))
+    total = _total([truth.bent(rig, BENT, seed) for seed in range(3) for rig in people])
+    print(_line("rests bent", total, faults=False))
+    figures.append(
+        Figure("mapping: joints right, rests bent by 20° about each axis", _percent(total), "%", 95.0, at_least=True)
+    )
     total = _total([truth.nameless(rig) for rig in people])
     print(_line("nameless", total, faults=False))
     return [*figures, Figure("mapping: joints right without names", _percent(total), "%")]

@@ -1,5 +1,6 @@
 """What the tests in Blender share: an empty file for each test, the command line, and files to work on."""
 
+import os
 from functools import partial
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from morph_retarget.core.arrays import Array
 from tests.blender import command, control_rigs, scenes
 from tests.blender.command import Command, Refused
 from tests.blender.files import Files
+from tests.blender.imported import Imported
 from tools.figure import blender
 
 
@@ -32,9 +34,24 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
 
 
 @pytest.fixture(scope="session")
+def imported(tmp_path_factory: pytest.TempPathFactory) -> Imported:
+    """Return real files as they are once imported; the processes of a run share them."""
+    own = tmp_path_factory.getbasetemp()
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "imported"
+    folder.mkdir(exist_ok=True)
+    return Imported(folder)
+
+
+@pytest.fixture(scope="session")
 def rigify_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a file with a person that Rigify has generated; its armature is called "rig"."""
     return control_rigs.rigify(tmp_path_factory.mktemp("rigify") / "rigify.blend")
+
+
+@pytest.fixture(scope="session")
+def horse_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a file with a horse that Rigify has generated; its armature is called "rig"."""
+    return control_rigs.rigify(tmp_path_factory.mktemp("horse") / "horse.blend", "horse")
 
 
 @pytest.fixture(scope="session")

@@ -1,5 +1,6 @@
 """Rigs with controls: what deform bones do is what was meant, as Blender evaluates it."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -7,21 +8,28 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from morph_retarget.blender import actions, retarget, rig
 from morph_retarget.blender.controls.task import Onto
+from morph_retarget.blender.io import load
+from morph_retarget.blender.io.load import Request
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.blender.retarget import Options, Outcome, Source
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
+from morph_retarget.core.character.control_given import Reaching
 from morph_retarget.core.errors import MappingError, RigError
 from morph_retarget.core.mocap.plan import RetargetSettings
 from morph_retarget.core.mocap.root_motion import RootMotion
 from tests.blender import control_rigs, scenes, window
+from tests.blender.command import Command
 from tests.blender.control_rigs import Reach
+from tests.blender.files import Files
 from tools.figure import blender
 
 FRAMES = scenes.FRAMES[::6]
+HOUND = Path(__file__).parents[2] / "sample_blends" / "characters" / "hound.blend"
 
 
 @pytest.fixture
@@ -83,6 +91,47 @@ def test_controls_that_reach_bring_hands_and_feet_to_their_places(walk: Source, 
     assert scenes.apart(found, meant) < 2e-3 * plan.target.frame.height
     assert value(rigify, "thigh_parent.L", "IK_FK") == 0.0
     assert value(rigify, "upper_arm_parent.R", "pole_vector") == 1.0
+
+
+def test_legs_that_stand_on_toes_reach_with_their_paws(walk: Source, tmp_path: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(control_rigs.rigify(tmp_path / "beast.blend", "basic_quadruped")))
+    bpy.context.scene.render.fps = scenes.FPS
+    ob = scenes.only_armature()
+    outcome = scenes.give(walk, ob, Options(onto=Onto.IK))
+    keyed = {path.split('"')[1] for path, _ in scenes.curves_of(ob)}
+    assert {"foot_ik.L", "foot_heel_ik.L", "thigh_ik_target.L", "toe.L"} <= keyed
+    assert value(ob, "thigh_parent.L", "IK_FK") == 0.0
+    assert off(ob, outcome).mean() < 0.3
+    assert off(ob, outcome).max() < 4.0
+    plan = outcome.plan
+    paws = [name for name in plan.target.skeleton.names if name.startswith("DEF-toe.")]
+    found = plan.target.world_to_character.points(scenes.heads(ob, paws, FRAMES))
+    rows = [[plan.target.skeleton.names[b] for b in plan.links.target].index(name) for name in paws]
+    meant = outcome.result.motion.points[np.array(FRAMES) - 1][:, rows]
+    assert scenes.apart(found, meant) < 2e-3 * plan.target.frame.height
+
+
+def wagging() -> Source:
+    """Return a hound that holds its tail high, bends it and wags it."""
+    scenes.empty()
+    (ob,) = load.load(Request.parse(str(HOUND)))
+    phase = np.linspace(0.0, 2.0 * np.pi, 9)
+    turns = quat.from_rotation_vector(np.stack([np.full(9, 0.4), 0.0 * phase, 0.5 * np.sin(phase)], axis=-1))
+    tail = [bone for bone in ob.pose.bones if bone.name.startswith("Tail")]
+    scenes.key(ob, "Wag", {bone.path_from_id("rotation_quaternion"): turns for bone in tail})
+    return scenes.source_of(ob)
+
+
+def test_controls_that_hang_on_each_other_over_mechanisms_settle_one_after_the_other(horse_file: Path) -> None:
+    source = wagging()
+    bpy.ops.wm.open_mainfile(filepath=str(horse_file))
+    outcome = scenes.give(source, scenes.only_armature())
+    assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
+    names = outcome.plan.target.skeleton.names
+    tail = [i for i, b in enumerate(outcome.plan.links.target) if "tail" in names[b].lower()]
+    moved = outcome.result.motion.turns[:, tail]
+    assert len(tail) >= 3
+    assert np.degrees(quat.angle_between(moved[:1], moved)).max() > 30.0
 
 
 def test_a_rig_with_controls_gets_them_by_itself_and_one_without_does_not(
@@ -349,6 +398,54 @@ def test_controls_can_be_named(walk: Source) -> None:
         scenes.give(walk, ob, Options(controls={"hips": "Nobody"}))
 
 
+def hide_arm(ob: bpy.types.Object) -> dict[str, Reaching]:
+    """Let a left arm reach for an object, and be switched over the object itself: return what its user has to say."""
+    grip = scenes.empty_object("Grip")
+    grip.parent, grip.parent_type, grip.parent_bone = ob, "BONE", f"IKM-{blender('leftHand')}"
+    grip.matrix_parent_inverse = Matrix.Translation((0.0, -ob.data.bones[grip.parent_bone].length, 0.0))
+    pull = ob.pose.bones[f"IKM-{blender('leftLowerArm')}"].constraints[0]
+    pull.target = grip
+    ob["Mode"] = 0.0
+    for curve in ob.animation_data.drivers:
+        for variable in curve.driver.variables:
+            if OWN_REACH.prop("leftHand") in variable.targets[0].data_path:
+                variable.targets[0].data_path = '["Mode"]'
+    driver = ob.driver_add('["Mode"]').driver
+    driver.type = "AVERAGE"
+    read = driver.variables.new()
+    prop = OWN_REACH.prop("leftHand")
+    read.targets[0].id, read.targets[0].data_path = ob, f'pose.bones["Properties"]["{prop}"]'
+    return {"leftHand": Reaching("Grab Wrist.L", "Aim UpperArm.L", f'Properties["{prop}"] = 1')}
+
+
+def test_what_brings_hands_to_places_can_be_named(walk: Source) -> None:
+    ob = control_rigs.controlled(blender, lambda joint: f"Anim {_part(joint)}", reach=OWN_REACH)
+    said = hide_arm(ob)
+    found = scenes.give(walk, ob, Options(onto=Onto.IK))
+    assert any(f"{blender('leftHand')} of 'Puppet' have no control that reaches" in text for text in found.warnings)
+    outcome = scenes.give(walk, ob, Options(onto=Onto.IK, reaches=said))
+    assert not any("no control that reaches" in text for text in outcome.warnings)
+    assert value(ob, "Properties", OWN_REACH.prop("leftHand")) == 1.0
+    assert off(ob, outcome).max() < 1.5
+    assert away(ob, outcome) < 2e-3
+
+
+def test_the_command_line_reads_what_brings_hands_to_places(cli: Command, files: Files, out: Path) -> None:
+    ob = control_rigs.controlled(blender, lambda joint: f"Anim {_part(joint)}", reach=OWN_REACH)
+    (said,) = hide_arm(ob).values()
+    path = scenes.save(out / "puppet.blend")
+    named = {"leftHand": {"reach": said.control, "pole": said.pole, "switch": said.switch}}
+    (out / "map.json").write_text(json.dumps(named))
+    ran = cli(
+        "retarget", files.clip("blend"), path, "-o", out / "o.blend", "--controls", "ik", "--map", out / "map.json"
+    )
+    assert ran.status == 0, ran.errors
+    assert not any("no control that reaches" in text for text in ran.errors)
+    bpy.ops.wm.open_mainfile(filepath=str(out / "o.blend"))
+    keyed = {path for path, _ in scenes.curves_of(scenes.only_armature())}
+    assert 'pose.bones["Grab Wrist.L"].location' in keyed
+
+
 def test_controls_are_named_in_the_list_of_joints_and_kept_by_analyses_and_presets(tmp_path: Path) -> None:
     with window.registered():
         ob = control_rigs.controlled(blender, lambda joint: f"Anim {_part(joint)}")
@@ -357,14 +454,20 @@ def test_controls_are_named_in_the_list_of_joints_and_kept_by_analyses_and_prese
         ops = bpy.ops.morph_retarget
         ops.analyze(rig=ob.name)
         of_rig(ob).joints["hips"].control = "Anim Hips"
+        said = {"leftHand": Reaching("Anim Wrist.L", "Anim Head", 'Anim Head["Mode"] = 0')}
+        of_rig(ob).joints["leftHand"].hold(said["leftHand"])
         ops.analyze(rig=ob.name)
         assert of_rig(ob).controls() == {"hips": "Anim Hips"}
+        assert of_rig(ob).reaches() == said
         ops.export_map(filepath=str(tmp_path / "map.json"), rig=ob.name)
         of_rig(ob).joints["hips"].control = "Nobody"
+        of_rig(ob).joints["leftHand"].hold(Reaching())
         with pytest.raises(RuntimeError, match="'Nobody', which the armature does not have"):
             ops.retarget()
         ops.import_map(filepath=str(tmp_path / "map.json"), rig=ob.name)
         assert of_rig(ob).controls() == {"hips": "Anim Hips"}
+        assert of_rig(ob).reaches() == said
+        of_rig(ob).joints["leftHand"].hold(Reaching())
         ops.retarget()
         assert any(path.startswith('pose.bones["Anim Hips"]') for path, _ in scenes.curves_of(ob))
 

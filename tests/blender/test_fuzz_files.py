@@ -10,7 +10,7 @@ import hypothesis
 import pytest
 from hypothesis import strategies as st
 
-from morph_retarget.blender import presets, templates
+from morph_retarget.blender import bone_maps, templates
 from morph_retarget.blender.batch import gates, jobs_file, ledger, plan
 from morph_retarget.blender.batch.prints import Prints, beside
 from morph_retarget.blender.cli import program
@@ -52,7 +52,7 @@ READERS: dict[str, tuple[str, Callable[[Path], object]]] = {
     "jobs": (".toml", _jobs),
     "script": (".toml", lambda path: scripts.load(path, 24.0)),
     "bml": (".bml", lambda path: scripts.load(path, 24.0)),
-    "map": (".json", presets.load),
+    "map": (".json", bone_maps.load),
     "ledger": (".jsonl", _ledger),
     "gates": (".txt", lambda path: gates.parse(as_text(path.read_bytes()))),
     "gltf": (".gltf", _gltf),

@@ -17,6 +17,7 @@ from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import FileError, MotionError
 from morph_retarget.core.morph.capture import CaptureSettings
 from tests.blender import acting, scenes, window
+from tests.blender.imported import Imported
 
 ops = bpy.ops.morph_retarget
 WAVE = "fair1_wave_hello.bvh"
@@ -39,8 +40,8 @@ def _generalized(ob: bpy.types.Object, options: Options | None = None) -> Outcom
     return retarget.run(steps)
 
 
-def _mocap(data: Path, name: str) -> bpy.types.Object:
-    return load.load(Request(data / "mocap" / name))[0]
+def _mocap(imported: Imported, data: Path, name: str) -> bpy.types.Object:
+    return imported.open(data / "mocap" / name)[0]
 
 
 def _played(data: Path, action: bpy.types.Action, rig: str, bones: list[str]) -> Array:
@@ -107,9 +108,9 @@ def test_way_that_was_left_out_is_told() -> None:
     ],
 )
 def test_a_captured_wave_raises_the_right_hand_or_wing_and_not_the_left(
-    data: Path, rig: str, hands: list[str], higher: float
+    data: Path, imported: Imported, rig: str, hands: list[str], higher: float
 ) -> None:
-    outcome = _generalized(_mocap(data, WAVE))
+    outcome = _generalized(_mocap(imported, data, WAVE))
     places = _played(data, outcome.action, rig, hands)
     frames = np.arange(len(places)) + 1.0
     up = (frames > RAISED[0]) & (frames < RAISED[1])
@@ -120,8 +121,8 @@ def test_a_captured_wave_raises_the_right_hand_or_wing_and_not_the_left(
 
 
 @pytest.mark.parametrize("rig", ["m2m_spider_anim.glb", "quaternius_wolf.glb", "m2m_snake_anim.glb"])
-def test_bodies_without_hands_take_part_in_a_dance_and_stay_whole(data: Path, rig: str) -> None:
-    outcome = _generalized(_mocap(data, "rokoko_jesse_dance.bvh"), Options(frames=(1, 300)))
+def test_bodies_without_hands_take_part_in_a_dance_and_stay_whole(data: Path, imported: Imported, rig: str) -> None:
+    outcome = _generalized(_mocap(imported, data, "rokoko_jesse_dance.bvh"), Options(frames=(1, 300)))
     ob = load.add(Request(data / "rigs" / rig))[0]
     cast.add(ob, outcome.action)
     (made,) = acting.baked(ob)
@@ -132,8 +133,8 @@ def test_bodies_without_hands_take_part_in_a_dance_and_stay_whole(data: Path, ri
     assert lengths.max() < 0.2 * bodies.size, "nothing jumps from frame to frame"
 
 
-def test_a_clip_that_stands_nowhere_and_faces_anywhere_is_captured_all_the_same(data: Path) -> None:
-    ob = _mocap(data, WAVE)
+def test_a_clip_that_stands_nowhere_and_faces_anywhere_is_captured_all_the_same(data: Path, imported: Imported) -> None:
+    ob = _mocap(imported, data, WAVE)
     here = _generalized(ob, Options(frames=(1, 60))).captured.values
     ob.location, ob.rotation_euler = (300.0, -100.0, 20.0), (0.0, 0.0, 1.0)
     bpy.context.view_layer.update()

@@ -3,9 +3,11 @@
 from pathlib import Path
 
 import bpy
+import numpy as np
 import pytest
 
 from morph_retarget.blender import actions
+from morph_retarget.blender.controls.task import Onto
 from morph_retarget.blender.laying import Lay
 from morph_retarget.blender.retarget import Options, Source
 from morph_retarget.core.errors import RigError
@@ -56,6 +58,41 @@ def test_an_override_of_a_rig_with_controls_gets_them(walk: Source, rigify_file:
     ob.override_library.is_system_override = False
     outcome = scenes.give(walk, ob)
     assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
+
+
+@pytest.mark.parametrize("onto", [Onto.FK, Onto.IK])
+def test_an_overridden_collection_with_a_rigify_rig_keeps_its_motion_and_switches_when_it_is_opened_again(
+    walk: Source, rigify_file: Path, tmp_path: Path, onto: Onto
+) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
+    group = bpy.data.collections.new("Hero")
+    bpy.context.scene.collection.children.link(group)
+    group.objects.link(scenes.only_armature())
+    path = scenes.save(tmp_path / "hero.blend")
+    scenes.empty()
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.collections = ["Hero"]
+    linked = wanted.collections[0]
+    bpy.context.scene.collection.children.link(linked)
+    linked.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    ob = next(o for o in bpy.data.objects if o.type == "ARMATURE" and o.override_library)
+    if ob.override_library.is_system_override:
+        with pytest.raises(RigError, match="library override that cannot be edited"):
+            scenes.give(walk, ob)
+        ob.override_library.is_system_override = False
+    outcome = scenes.give(walk, ob, Options(onto=onto))
+    assert outcome.report["controls"]["deform_error_deg"]["mean"] < 1.0
+    deforms = [bone.name for bone in ob.data.bones if bone.use_deform]
+    before = scenes.evaluated(ob, deforms, scenes.SHOWN)
+    bpy.ops.wm.open_mainfile(filepath=str(scenes.save(tmp_path / "shot.blend")))
+    again = next(o for o in bpy.data.objects if o.type == "ARMATURE" and o.override_library)
+    assert np.abs(scenes.evaluated(again, deforms, scenes.SHOWN) - before).max() < 1e-5
+    keyed = {path for path, _ in scenes.curves_of(again)}
+    switches = ["IK_FK", *(["IK_parent", "pole_parent", "pole_vector"] if onto is Onto.IK else [])]
+    for limb in ("thigh", "upper_arm"):
+        assert {f'pose.bones["{limb}_parent.L"]["{prop}"]' for prop in switches} <= keyed
+    seen = again.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert seen.pose.bones["thigh_parent.L"]["IK_FK"] == float(onto is Onto.FK)
 
 
 def test_what_is_linked_or_an_override_of_blenders_own_is_no_target(walk: Source, library: Path) -> None:

@@ -16,6 +16,7 @@ from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
 from tests import truth
 from tests.blender import scenes
+from tests.blender.imported import Imported
 from tests.conftest import DATA
 
 HUMANOIDS = (
@@ -49,10 +50,6 @@ def _files(folder: str) -> list[str]:
     return sorted(path.name for path in (DATA / folder).glob("*.*")) or ["none"]
 
 
-def _open(path: Path) -> bpy.types.Object:
-    return load.load(Request(path))[0]
-
-
 def _own_clip(ob: bpy.types.Object, name: str | None = None) -> Source | None:
     """Return an armature with a motion that it came with, None when it has none."""
     found = actions.of_armature(ob)
@@ -63,14 +60,14 @@ def _own_clip(ob: bpy.types.Object, name: str | None = None) -> Source | None:
 
 
 @pytest.fixture(scope="module")
-def clip(data: Path) -> Callable[[str, str | None], Source]:
+def clip(data: Path, imported: Imported) -> Callable[[str, str | None], Source]:
     """Return a function that reads a motion from a file, once."""
     known: dict[tuple[str, str | None], Source] = {}
 
     def read(name: str, action: str | None = None) -> Source:
         if (name, action) not in known:
             folder = "mocap" if name in CLIPS else "rigs"
-            source = _own_clip(_open(data / folder / name), action)
+            source = _own_clip(imported.open(data / folder / name)[0], action)
             assert source is not None, f"{name} should have an action {action!r}"
             known[name, action] = source
         return known[name, action]
@@ -86,8 +83,8 @@ def _truth(data: Path) -> dict[str, truth.Table]:
 
 
 @pytest.mark.parametrize("name", _files("rigs"))
-def test_every_rig_is_read_and_known(data: Path, name: str) -> None:
-    ob = _open(data / "rigs" / name)
+def test_every_rig_is_read_and_known(data: Path, imported: Imported, name: str) -> None:
+    ob = imported.open(data / "rigs" / name)[0]
     own = rig.read(ob)
     source = _own_clip(ob)
     found = retarget.character_of(own, clip=source.clip if source else None)
@@ -100,8 +97,8 @@ def test_every_rig_is_read_and_known(data: Path, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", _files("mocap"))
-def test_every_clip_is_read_and_known(data: Path, name: str) -> None:
-    ob = _open(data / "mocap" / name)
+def test_every_clip_is_read_and_known(data: Path, imported: Imported, name: str) -> None:
+    ob = imported.open(data / "mocap" / name)[0]
     place = np.array(ob.matrix_world)
     source = _own_clip(ob)
     assert source is not None
@@ -116,6 +113,26 @@ def test_every_clip_is_read_and_known(data: Path, name: str) -> None:
     seen = scenes.heads(ob, found.skeleton.names, clip.frames[some])
     said = clip.pose.positions[some] @ place[:3, :3].T + place[:3, 3]
     assert scenes.apart(said, seen) < 1e-4 * found.frame.height
+
+
+@pytest.mark.parametrize("name", ["rigs/m2m_fox_anim.glb", "rigs/quaternius_zombie.fbx", "mocap/cmu_02_01_walk.bvh"])
+def test_what_was_kept_of_an_import_is_what_was_imported(data: Path, imported: Imported, name: str) -> None:
+    """Tests of real files rest on this."""
+    imported.open(data / name)
+    kept = imported.open(data / name)[0]
+    found = _all_of(kept)
+    assert found == _all_of(load.load(Request(data / name))[0])
+    assert len(found[-1]) > 0
+
+
+def _all_of(ob: bpy.types.Object) -> tuple[object, ...]:
+    """Return what can be seen of a rig and of its file."""
+    scene, data = bpy.context.scene, ob.animation_data
+    bones = [(bone.name, bone.parent and bone.parent.name, *np.ravel(bone.matrix_local)) for bone in ob.data.bones]
+    playing = (data.action and data.action.name, data.action_slot and data.action_slot.identifier)
+    times = (scene.render.fps, scene.render.fps_base, scene.frame_start, scene.frame_end)
+    keys = {action.name: scenes.keys_of(action) for action in bpy.data.actions}
+    return ob.name, np.array(ob.matrix_world).tolist(), bones, playing, times, sorted(bpy.data.objects.keys()), keys
 
 
 # --- giving ---
@@ -149,9 +166,8 @@ class _Given:
     """First and last frame of the clip."""
 
 
-def _give(source: Source, path: Path) -> _Given:
-    """Open a rig and give it a clip, at the clip's own rate."""
-    ob = _open(path)
+def _give(source: Source, ob: bpy.types.Object) -> _Given:
+    """Give a rig that was opened a clip, at the clip's own rate."""
     # Rigs with many actions differ in nothing but their number.
     for action, _ in actions.of_armature(ob)[6:]:
         if action != ob.animation_data.action:
@@ -198,8 +214,10 @@ def _check_keys(given: _Given) -> None:
 
 @pytest.mark.parametrize("target", HUMANOIDS)
 @pytest.mark.parametrize("name", CLIPS)
-def test_every_humanoid_takes_a_real_clip(data: Path, clip: Callable[[str], Source], name: str, target: str) -> None:
-    given = _give(clip(name), data / "rigs" / target)
+def test_every_humanoid_takes_a_real_clip(
+    data: Path, imported: Imported, clip: Callable[[str], Source], name: str, target: str
+) -> None:
+    given = _give(clip(name), imported.open(data / "rigs" / target)[0])
     report, plan = given.outcome.report, given.outcome.plan
     assert plan.plants == (plan.target.bone("leftFoot") is not None)
     assert report["joints_mapped"] >= 11
@@ -212,9 +230,9 @@ def test_every_humanoid_takes_a_real_clip(data: Path, clip: Callable[[str], Sour
 
 @pytest.mark.parametrize(("source", "action", "target"), CREATURES)
 def test_a_creature_takes_another_creatures_motion(
-    data: Path, clip: Callable[[str, str], Source], source: str, action: str, target: str
+    data: Path, imported: Imported, clip: Callable[[str, str], Source], source: str, action: str, target: str
 ) -> None:
-    given = _give(clip(source, action), data / "rigs" / target)
+    given = _give(clip(source, action), imported.open(data / "rigs" / target)[0])
     report, plan = given.outcome.report, given.outcome.plan
     assert len(plan.links.legs) == len(plan.source.legs) == len(plan.target.legs)
     assert report["ground_penetration_m"]["max"] <= 0.01 * plan.target.frame.height / 1.75
@@ -228,10 +246,12 @@ def test_a_creature_takes_another_creatures_motion(
     _check_untouched(given)
 
 
-def test_a_clip_onto_the_body_that_made_it_is_itself(data: Path, clip: Callable[[str], Source]) -> None:
+def test_a_clip_onto_the_body_that_made_it_is_itself(
+    data: Path, imported: Imported, clip: Callable[[str], Source]
+) -> None:
     """The run on its own skeleton, free of feet: what comes out is what went in."""
     source = clip(CLIPS[1])
-    ob = _open(data / "mocap" / CLIPS[1])
+    ob = imported.open(data / "mocap" / CLIPS[1])[0]
     ob.name = "Again"
     settings = retarget.Options(replace(retarget.Options().settings, plant_feet=False))
     outcome = scenes.give(source, ob, settings)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -70,8 +70,7 @@ class Posed:
 
     def plan(self, settings: SolverSettings | None = None) -> Plan:
         """Return how the goals are met."""
-        own = self.subject
-        return posing.prepare(own.character, own.bodies.positions, own.root, self.wanted, settings or SolverSettings())
+        return _plan(self.subject, tuple(self.wanted), settings or SolverSettings())
 
     def goals(self, influence: Array, turning: float = 1.0) -> Goals:
         """Return goals of which those for the ends count in part, shape (frame,)."""
@@ -89,6 +88,11 @@ class Posed:
     def size(self) -> float:
         """Of the character [m]."""
         return self.subject.bodies.size
+
+
+@lru_cache(maxsize=64)
+def _plan(subject: Subject, wanted: tuple[tuple[int, bool, bool], ...], settings: SolverSettings) -> Plan:
+    return posing.prepare(subject.character, subject.bodies.positions, subject.root, wanted, settings)
 
 
 def _figure(build: Build) -> Subject:

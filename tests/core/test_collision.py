@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import pytest
@@ -54,6 +54,7 @@ def subject(request: pytest.FixtureRequest) -> Subject:
     return _subjects()[request.param]
 
 
+@lru_cache(maxsize=64)
 def _plan(subject: Subject, settings: SolverSettings | None = None, limits: JointLimits | None = None) -> Plan:
     """Return how goals for places and turns are met, without collisions unless told otherwise."""
     settings = settings or SolverSettings(avoids_collisions=True)

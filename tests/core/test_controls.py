@@ -8,6 +8,7 @@ import pytest
 from morph_retarget.core import quat
 from morph_retarget.core.character import control_names, controls, deform_tree
 from morph_retarget.core.character.control_facts import BoneFacts, Follows
+from morph_retarget.core.character.control_given import Reaching
 from morph_retarget.core.character.control_limbs import Setting
 from morph_retarget.core.character.control_names import FAMILIES, Limb
 from morph_retarget.core.character.controls import Wanted
@@ -282,6 +283,30 @@ def test_a_limb_without_a_switch_reaches_always_when_that_is_what_it_follows_las
     other = reached(arm(switch=None, last="T"))
     assert other is not None
     assert not other.limbs
+
+
+def test_what_the_user_says_of_a_limb_counts_and_must_exist() -> None:
+    facts = [replace(one, follows=()) if one.name == "M b" else one for one in arm(switch=None)]
+    wanted = Wanted(["DEF-h", "DEF-a", "DEF-b", "DEF-c"], {"hips": "DEF-h"}, [ARM])
+
+    def said(reach: Reaching) -> controls.LimbControls:
+        found = controls.read(facts, replace(wanted, reaches={"DEF-c": reach}))
+        assert found is not None
+        return found.limbs[0]
+
+    limb = said(Reaching("Grab", "Elbow", 'Dial["Mode"] = 0'))
+    assert (limb.control, limb.pole) == ("Grab", "Elbow")
+    assert [(s.bone, s.prop, s.value) for s in (*limb.turned, *limb.reached)] == [
+        ("Dial", "Mode", 1.0),
+        ("Dial", "Mode", 0.0),
+    ]
+    for bad, message in (
+        (Reaching(pole="Elbow"), "name its IK control too"),
+        (Reaching("Nobody"), "moved by 'Nobody', which the armature does not have"),
+        (Reaching("Grab", switch='Dial["None"]'), "which the armature does not have"),
+    ):
+        with pytest.raises(MappingError, match=message):
+            said(bad)
 
 
 def test_a_limb_whose_end_does_not_turn_with_what_it_aims_at_is_turned() -> None:

@@ -9,8 +9,10 @@ import hypothesis
 import pytest
 from hypothesis import strategies as st
 
-from morph_retarget.core.character import map_file
 from morph_retarget.core.character.analysis import analyze
+from morph_retarget.core.character.bone_maps.placing import place
+from morph_retarget.core.character.bone_maps.reading import read
+from morph_retarget.core.character.character import Character
 from morph_retarget.core.clips.commands import bml, line, script
 from morph_retarget.core.clips.motions import annotation_data, library_file
 from morph_retarget.core.directing.starter import starter
@@ -22,7 +24,7 @@ from tests.skeletons import skeleton_of
 from tools.figure import humanoid
 
 READERS: dict[str, Callable[[str], object]] = {
-    "map": lambda text: map_file.parse(text, "file"),
+    "map": lambda text: place(read(text, "file"), _figure()),
     "channels": lambda text: channel_file.parse(text, "file"),
     "script": lambda text: script.read(text, "file"),
     "bml": lambda text: bml.read(text, "file"),
@@ -30,11 +32,31 @@ READERS: dict[str, Callable[[str], object]] = {
 }
 """By the folders of the corpus."""
 WORDS = {
-    "map": ("joints", "hips", "bone", "leftHand", "format"),
+    "map": (
+        "joints",
+        "hips",
+        "bone",
+        "leftHand",
+        "format",
+        "bones",
+        "SourceBoneName",
+        "DestinationBoneName",
+        "mappings",
+        "source",
+        "target",
+        "rokoko_custom_names",
+        "hip",
+        "custom_bone_a",
+    ),
     "channels": ("format", "channels", "name", "context", "capability", "position", "weight", "hand"),
     "annotations": ("kind", "strikes", "strokes", "parts", "speed", "phase", "parameters", "side", "walk"),
 }
 """That readers of plain data look for."""
+
+
+@cache
+def _figure() -> Character:
+    return analyze(skeleton_of(humanoid()))
 
 
 def _plain(text: str) -> object:
@@ -84,7 +106,7 @@ def test_lines_of_commands_are_read_or_refused(text: str) -> None:
 
 @cache
 def _library() -> bytes:
-    return library_file.encoded(starter(analyze(skeleton_of(humanoid())), ["wave"]))
+    return library_file.encoded(starter(_figure(), ["wave"]))
 
 
 @fuzzed(40)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import pytest
@@ -48,7 +48,12 @@ def _ends(body: Subject) -> list[int]:
 
 def _plan(body: Subject, settings: SolverSettings, places: Sequence[int] | None = None) -> Plan:
     """Return how goals for the places of the limbs' ends are met, or others."""
-    wanted = [(body.root, True, True), *((end, True, False) for end in (places or _ends(body)))]
+    return _planned(body, settings, tuple(places or _ends(body)))
+
+
+@lru_cache(maxsize=64)
+def _planned(body: Subject, settings: SolverSettings, places: tuple[int, ...]) -> Plan:
+    wanted = [(body.root, True, True), *((end, True, False) for end in places)]
     return posing.prepare(body.character, body.bodies.positions, body.root, wanted, settings)
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from morph_retarget.core.character import map_file
 from morph_retarget.core.character.analysis import analyze
+from morph_retarget.core.character.control_given import Reaching, switch_of
 from morph_retarget.core.errors import MappingError
 from tests.skeletons import skeleton_of
 from tools.figure import Bone, humanoid
@@ -65,3 +66,31 @@ def test_controls_come_through_a_preset_and_say_nothing_of_bones() -> None:
     assert map_file.parse_controls(alone, "m.json") == named
     with pytest.raises(MappingError, match=r"m.json: joint hips has the control 3"):
         map_file.parse_controls('{"hips": {"control": 3}}', "m.json")
+
+
+def test_maps_say_how_hands_and_feet_are_brought_to_places() -> None:
+    reaches = {"leftHand": Reaching("IK Hand", "Elbow", 'Dials["Arm L"] = 0'), "leftFoot": Reaching(pole="Knee")}
+    text = map_file.preset({"hips": "H", "leftHand": "L", "leftFoot": "F"}, {"leftHand": "FK Hand"}, reaches)
+    assert map_file.parse(text, "preset") == {"hips": "H", "leftHand": "L", "leftFoot": "F"}
+    assert map_file.parse_controls(text, "preset") == {"leftHand": "FK Hand"}
+    assert map_file.parse_reaches(text, "preset") == reaches
+    assert map_file.parse('{"leftHand": {"pole": "Elbow"}}', "m.json") == {}
+    for bad, message in (
+        ('{"hips": {"reach": "H"}}', "joint hips has a reach, which only leftHand"),
+        ('{"leftHand": {"pole": 3}}', "joint leftHand has the pole 3"),
+        ('{"leftHand": {"switch": "Arm"}}', "the switch of leftHand is 'Arm': name a bone and its property"),
+    ):
+        with pytest.raises(MappingError, match=message):
+            map_file.parse_reaches(bad, "m.json")
+
+
+@pytest.mark.parametrize(
+    ("text", "switch"),
+    [
+        ('Dials["Arm L"]', ("Dials", "Arm L", 1.0)),
+        ("Dials['Arm L'] = 0", ("Dials", "Arm L", 0.0)),
+        ('pose.bones["Dials [1]"]["Arm \\"L"] = 0.5', ("Dials [1]", 'Arm "L', 0.5)),
+    ],
+)
+def test_switches_are_named_by_their_data_paths(text: str, switch: tuple[str, str, float]) -> None:
+    assert switch_of(text, "leftHand") == switch

@@ -1,7 +1,7 @@
 """Allow Stretch: bones get longer and shorter for goals out of reach, and change nothing else."""
 
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 import pytest
@@ -157,6 +157,7 @@ def subject(request: pytest.FixtureRequest) -> Subject:
     return _creatures()[request.param]
 
 
+@lru_cache(maxsize=64)
 def _plan(subject: Subject, fixed: tuple[int, ...] = (), limits: JointLimits | None = None, **options: bool) -> Plan:
     wanted = [(int(body), True, True) for body in subject.goals]
     tuned = SolverSettings(**{"allows_stretch": True, **options})  # pyright: ignore[reportArgumentType]

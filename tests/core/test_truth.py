@@ -33,6 +33,11 @@ def test_bones_that_are_no_part_of_a_body_do_not_mislead(data: Path, kind: str) 
     assert not total.swapped
 
 
+def test_rests_that_are_bent_mislead_only_where_names_are_of_no_known_family(data: Path) -> None:
+    total = _total([truth.bent(own, 0.35, seed=5) for own in _humanoids(data)])
+    assert total.right >= 0.95 * total.known, total.faults
+
+
 def test_most_joints_are_found_without_any_names(data: Path) -> None:
     total = _total([truth.nameless(own) for own in _humanoids(data)])
     assert total.right >= 0.9 * total.known, total.faults

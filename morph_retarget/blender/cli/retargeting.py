@@ -2,18 +2,21 @@
 
 import argparse
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import bpy
 
 from ...core.character.analysis import Overrides
+from ...core.character.bone_maps.bone_map import BoneMap
+from ...core.character.bone_maps.placing import Placed
+from ...core.character.families import Family
 from ...core.errors import FileError, MappingError, MotionError, listed
 from ...core.mocap.feet import FeetSettings
 from ...core.mocap.plan import Matching, RetargetSettings
 from ...core.mocap.root_motion import RootMotion
 from ...core.solve.jiggle_kinds import JiggleSettings
-from .. import actions, presets, retarget, rig, sampling, terrain
+from .. import actions, bone_maps, retarget, rig, sampling, terrain
 from ..controls.task import Onto
 from ..io import load, save
 from ..io.load import Request
@@ -42,8 +45,13 @@ def add_to(parser: argparse.ArgumentParser) -> None:
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Add the options that tell how a pair is retargeted."""
-    parser.add_argument("--map", metavar="FILE", help="joint map for the targets (JSON, as map --json prints it)")
-    parser.add_argument("--source-map", metavar="FILE", help="joint map for the source")
+    parser.add_argument(
+        "--map",
+        metavar="FILE",
+        help="bone map for the targets: as map --json prints it, one of KeeMap, Animation Retargeting, Rokoko or Expy "
+        "Kit, or the name of a preset",
+    )
+    parser.add_argument("--source-map", metavar="FILE", help="bone map for the source")
     parser.add_argument("--source-armature", metavar="NAME", help="which armature of the source, as --armature")
     add_rig_options(parser)
     _add_transfer_options(parser.add_argument_group("transfer"))
@@ -132,6 +140,9 @@ class _Job:
     outputs: Outputs
     options: Options
     overrides: Overrides
+    target_map: BoneMap | Family | None
+    warnings: list[str] = field(default_factory=list[str])
+    """What of the maps could not be used."""
 
 
 @dataclass(frozen=True)
@@ -174,9 +185,11 @@ def perform(
 def _performed(
     arguments: argparse.Namespace, fresh: bool, look: Callable[[bpy.types.Object, Outcome], None] | None
 ) -> Done:
-    target_map, source_map = _read_map(arguments.map), _read_map(arguments.source_map)
+    target_map, source_map = (
+        None if path is None else bone_maps.find(path) for path in (arguments.map, arguments.source_map)
+    )
     outputs = Outputs(str(arguments.out), arguments.source, arguments.targets, arguments.report)
-    job = _Job(arguments, outputs, options_of(arguments), Overrides(*axes(arguments), joints=target_map))
+    job = _Job(arguments, outputs, options_of(arguments), Overrides(*axes(arguments)), target_map)
     _check(job)
     sources = _read_sources(job, source_map)
     reports: list[dict[str, object]] = []
@@ -205,7 +218,7 @@ def _performed(
             files.append(_free(Path(outputs.template), fresh))
             outbox.rigs(files[-1], kept)
         outputs.write_report(outbox, reports)
-    return Done(reports, warnings, files)
+    return Done(reports, job.warnings + warnings, files)
 
 
 def _free(path: Path, fresh: bool) -> Path:
@@ -230,14 +243,21 @@ def _check(job: _Job) -> None:
 
 
 def _one(job: _Job, source: Source, ob: bpy.types.Object) -> Outcome:
-    own = rig.read(ob)
-    character = retarget.character_of(own, job.overrides)
+    own, options = rig.read(ob), job.options
+    placed = bone_maps.place(job.target_map, own, job.overrides, source.character)
+    _tell(job, placed, ob)
+    character = retarget.character_of(own, replace(job.overrides, joints=placed.joints))
+    options = replace(options, controls=placed.controls, reaches=placed.reaches)
     name = job.arguments.ground
     ground = terrain.ground_of(_ground_object(name), character) if name else None
-    options = job.options
     if options.jiggles:
         options = replace(options, jiggles=of_rig(ob).jiggles.settings())
     return retarget.retarget(source, own, character, options, rig.scene_of(), ground=ground)
+
+
+def _tell(job: _Job, placed: Placed, ob: bpy.types.Object) -> None:
+    if placed.left_out:
+        job.warnings.append(f"bone map for {ob.name!r}: {placed.told()}")
 
 
 def _ground_object(name: str) -> bpy.types.Object:
@@ -288,15 +308,10 @@ def options_of(arguments: argparse.Namespace) -> Options:
         onto=Onto(arguments.controls),
         only=frozenset(name.strip() for name in arguments.bones.split(",") if name.strip()),
         lay=Lay(arguments.lay),
-        controls=_read_controls(arguments.map),
         jiggles=JiggleSettings() if arguments.jiggles else None,
     )
     retarget.check_jiggles(options)
     return options
-
-
-def _read_map(path: str | None) -> dict[str, str]:
-    return {} if path is None else presets.load(Path(path))
 
 
 def _pairs(text: str) -> tuple[tuple[str, str], ...]:
@@ -314,14 +329,10 @@ def _pairs(text: str) -> tuple[tuple[str, str], ...]:
     return tuple(out)
 
 
-def _read_controls(path: str | None) -> dict[str, str]:
-    return {} if path is None else presets.load_controls(Path(path))
-
-
 # --- sources ---
 
 
-def _read_sources(job: _Job, joints: dict[str, str]) -> list[Source]:
+def _read_sources(job: _Job, given: BoneMap | Family | None) -> list[Source]:
     arguments = job.arguments
     request = Request.parse(arguments.source)
     here = any(armature_here(text) is not None for text in arguments.targets)
@@ -330,17 +341,23 @@ def _read_sources(job: _Job, joints: dict[str, str]) -> list[Source]:
         others = set(bpy.data.actions)
         with load.borrowed(request) as armatures:
             ob = load.choose(armatures, request.path, arguments.source_armature or arguments.armature)
-            return _sample(job, ob, request, joints, [a for a in bpy.data.actions if a not in others])
+            return _sample(job, ob, request, given, [a for a in bpy.data.actions if a not in others])
     ob, _ = open_rig(arguments.source, arguments.source_armature or arguments.armature)
-    return _sample(job, ob, request, joints, list(bpy.data.actions))
+    return _sample(job, ob, request, given, list(bpy.data.actions))
 
 
 def _sample(
-    job: _Job, ob: bpy.types.Object, request: Request, joints: dict[str, str], own_actions: list[bpy.types.Action]
+    job: _Job,
+    ob: bpy.types.Object,
+    request: Request,
+    given: BoneMap | Family | None,
+    own_actions: list[bpy.types.Action],
 ) -> list[Source]:
     with naming(str(request.path)):
         own = rig.read(ob)
-        overrides, frames = Overrides(joints=joints), job.options.frames
+        placed = bone_maps.place(given, own)
+        _tell(job, placed, ob)
+        overrides, frames = Overrides(joints=placed.joints), job.options.frames
         fitting = [pair for pair in actions.of_armature(ob) if pair[0] in own_actions]
         chosen = _choose_actions(ob, fitting, request.action or job.arguments.action, job.arguments.all_actions)
         return [retarget.run(retarget.read_source(own, a, s, rig.scene_of(), overrides, frames)) for a, s in chosen]

@@ -1,6 +1,6 @@
 """Motion for deform bones as channels of the controls that pose them."""
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Collection, Generator, Sequence
 from dataclasses import replace
 
 import bpy
@@ -25,7 +25,7 @@ from . import evaluating, reading, telling
 from .evaluating import Stage
 from .task import Carried, Onto, Task, Times, Work
 
-PASSES = 6
+PASSES = 8
 """So often the whole motion is evaluated at most."""
 CLOSE_TURN = 0.001
 """Controls that are no further off need no better answer [rad] …"""
@@ -34,7 +34,9 @@ CLOSE_SWIVEL = 0.01
 CLOSE_PLACE = 1e-4
 """… and hips, hands and feet that are no further off [heights]."""
 BETTER = 0.7
-"""A pass that leaves more than this share of what was missing was the last."""
+"""A pass that leaves more than this share of what was missing was the last …"""
+FAR, PATIENCE = 0.1, 3
+"""… or so many of them while controls are turned so far off [rad]: they hang on others, which must settle first."""
 
 
 def controls_of(stage: Stage, task: Task) -> Controls | None:
@@ -48,32 +50,32 @@ def controls_of(stage: Stage, task: Task) -> Controls | None:
     bones = [names[int(b)] for b in links.target]
     roles = {joint: match.bone for joint, match in character.joints.items()}
     by_joint = {roles[joint]: control for joint, control in task.given.items() if joint in roles}
-    limbs = [
-        Limb(
-            kind,
-            *(names[int(links.target[i])] for i in limb.chain[-3:]),
-            tip="" if limb.ball == NONE else names[int(links.target[limb.ball])],
-        )
-        for kind, found in (("leg", links.legs), ("arm", links.arms))
-        for limb in found
-        if _can_reach(links, limb)
-    ]
+    both = [("leg", limb) for limb in links.legs] + [("arm", limb) for limb in links.arms]
+    limbs = [made for kind, limb in both if (made := _limb(names, links, kind, limb)) is not None]
     chains = [[names[bone] for bone in limb.bones] for limb in character.limbs]
-    return read(reading.facts(stage), Wanted(bones, roles, limbs, chains, by_joint))
+    reaches = {roles[joint]: said for joint, said in task.reaches.items() if joint in roles}
+    return read(reading.facts(stage), Wanted(bones, roles, limbs, chains, by_joint, reaches))
 
 
-def _can_reach(links: Links, limb: LimbLinks) -> bool:
-    """Return whether inverse kinematics of two bones poses a limb: all of it besides a shoulder."""
-    return len(limb.chain) == 3 or (len(limb.chain) == 4 and links.names[limb.chain[0]].endswith("Shoulder"))
+def _limb(names: Sequence[str], links: Links, kind: str, limb: LimbLinks) -> Limb | None:
+    """Return a limb that inverse kinematics of two bones may pose, or of three where it stands on its toes."""
+    bones = [names[int(links.target[i])] for i in limb.chain]
+    tip = "" if limb.ball == NONE else names[int(links.target[limb.ball])]
+    if len(bones) == 3 or (len(bones) == 4 and links.names[limb.chain[0]].endswith("Shoulder")):
+        return Limb(kind, *bones[-3:], tip=tip)
+    if len(bones) < 4:
+        return None
+    upper, middle, heel, end = bones[-4:]
+    return Limb(kind, upper, middle, end, tip, heel)
 
 
-def is_plain(ob: bpy.types.Object, onto: Onto, given: Mapping[str, str]) -> bool:
+def is_plain(ob: bpy.types.Object, onto: Onto, given: Collection[str]) -> bool:
     """Return whether a motion goes onto the bones of an armature, so that no controls have to be looked for.
 
     Args:
         ob: The armature.
         onto: What is asked for.
-        given: The user's own controls.
+        given: Joints of which the user has named controls.
     """
     return onto is Onto.NONE or (onto is Onto.AUTO and not given and not reading.has_constraints(ob))
 
@@ -98,14 +100,15 @@ def carry(
         MappingError: A control that the user has named does not exist.
     """
     target = task.target
-    if is_plain(target.object, onto, task.given):
+    given = {*task.given, *task.reaches}
+    if is_plain(target.object, onto, given):
         return None
     # Where few bones copy others, as twist bones do, and names tell of no controls, there are none.
     is_controlled = len(task.character.skeleton) < len(target.skeleton)
     with evaluating.stage(target, scene) as stage:
         found = controls_of(stage, task)
         sure = found is not None and (found.family != FOUND or any(not limb.turned for limb in found.limbs))
-        if found is not None and (onto is not Onto.AUTO or task.given or is_controlled or sure):
+        if found is not None and (onto is not Onto.AUTO or given or is_controlled or sure):
             work = Work(task, found, onto, _settings(task, found, onto))
             return (yield from _carry(stage, work, result, times))
     if onto is Onto.AUTO and not is_controlled:
@@ -126,7 +129,7 @@ def _carry(stage: Stage, work: Work, result: Result, times: Times) -> Generator[
     values = carrying.solve(handling, goal, handling.start(len(frames)), _repeated(handling.neutral, len(frames)))
     height = plan.target.frame.height / plan.target.placement.scale
     best: tuple[float, Values, Seen, Array] | None = None
-    passes = 0
+    passes, stalled = 0, 0
     while passes < PASSES:
         passes += 1
         made = [*beside, *_channels(work, handling, values)]
@@ -136,10 +139,10 @@ def _carry(stage: Stage, work: Work, result: Result, times: Times) -> Generator[
         seen, moves = yield from within(1.0 - 0.5 ** (passes - 1), 1.0 - 0.5**passes, seeing)
         miss = carrying.miss(handling, goal, seen)
         score = max(miss.turn / CLOSE_TURN, miss.swivel / CLOSE_SWIVEL, miss.place / (CLOSE_PLACE * height))
-        worse = best is not None and score > BETTER * best[0]
+        stalled = stalled + 1 if best is not None and score > BETTER * best[0] else 0
         if best is None or score < best[0]:
             best = score, values, seen, moves
-        if score <= 1.0 or worse:
+        if score <= 1.0 or stalled == (PATIENCE if miss.turn > FAR else 1):
             break
         goal = carrying.corrected(handling, goal, seen)
         values = carrying.solve(handling, goal, values, seen)
@@ -207,10 +210,11 @@ def _handles(work: Work) -> list[Handle]:
     found, links, index = work.controls, work.plan.links, work.target.skeleton.index
     names = work.plan.target.skeleton.names
     reached = {limb.limb.end: limb for limb in work.reached}
-    own = {part for limb in reached.values() for part in (limb.limb.upper, limb.limb.middle, limb.limb.end)}
+    own = {part for limb in reached.values() for part in limb.limb.bones}
     tips = {limb.limb.tip: limb.tip for limb in reached.values() if limb.tip is not None}
     controlled = np.array([names[int(b)] in found.turning or names[int(b)] in own for b in links.target])
     aims = carrying.aims(links, controlled)
+    place = {names[int(b)]: i for i, b in enumerate(links.target)}
     out: list[Handle] = []
     if found.trunk is not None:
         out.append(Handle(index[found.trunk], 0, placed=True))
@@ -219,18 +223,14 @@ def _handles(work: Work) -> list[Handle]:
         limb = reached.get(bone)
         if limb is not None:
             out.append(Handle(index[limb.control], i, placed=True))
-            chain = _chain(links, i)
-            if limb.pole is not None and chain is not None:
-                out.append(Handle(index[limb.pole], chain[0], limb=chain))
-        elif control is not None and bone not in own and index[control] not in [h.control for h in out]:
+            upper, middle, last = (place[part] for part in limb.limb.bones)
+            if limb.pole is not None:
+                out.append(Handle(index[limb.pole], upper, limb=(upper, middle, last)))
+            if limb.heel is not None:
+                out.append(Handle(index[limb.heel], last))
+        if control is not None and bone not in own and index[control] not in [h.control for h in out]:
             out.append(Handle(index[control], i, int(aims[i])))
     return out
-
-
-def _chain(links: Links, end: int) -> tuple[int, int, int] | None:
-    """Return the links of the limb that ends in a link."""
-    limbs: Sequence[LimbLinks] = (*links.legs, *links.arms)
-    return next((limb.chain[-3:] for limb in limbs if limb.end == end and len(limb.chain) >= 3), None)  # type: ignore[misc]
 
 
 def _handling(stage: Stage, work: Work) -> Generator[float, None, Handling]:

@@ -6,6 +6,7 @@ from enum import StrEnum
 
 from ...core.arrays import Array
 from ...core.character.character import Character
+from ...core.character.control_given import Reaching
 from ...core.character.control_limbs import LimbControls
 from ...core.character.controls import Controls
 from ...core.mocap.motion import Motion
@@ -51,6 +52,8 @@ class Task:
     plan: Plan
     given: Mapping[str, str] = field(default_factory=dict[str, str])
     """The user's own controls, by joint."""
+    reaches: Mapping[str, Reaching] = field(default_factory=dict[str, Reaching])
+    """What the user says of how hands and feet are brought to places, by joint."""
     only: Collection[str] = ()
     """Bones or controls that are to be moved; all when empty."""
 

@@ -7,8 +7,11 @@ from typing import Any
 
 import bpy
 
+from ...core.character import families
+from ...core.character.control_given import ENDS
 from .. import live, presets
 from ..laying import Lay
+from ..operators.manners import shown_rig
 from ..operators.retargeting import latest
 from ..properties import MORPHRETARGET_PG_scene, of_rig, of_scene
 from ..rig import armature_of
@@ -133,6 +136,10 @@ class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
         column.prop_search(joint, "bone", armature_of(ob), "bones", icon="BONE_DATA")
         if settings.shown == "TARGET":
             column.prop_search(joint, "control", armature_of(ob), "bones", icon="BONE_DATA")
+            if joint.name in ENDS:
+                column.prop_search(joint, "reach", armature_of(ob), "bones", icon="BONE_DATA")
+                column.prop_search(joint, "pole", armature_of(ob), "bones", icon="BONE_DATA")
+                column.prop(joint, "switch")
             column.prop(joint, "also")
         column.prop(rig, "up")
         column.prop(rig, "forward")
@@ -146,17 +153,28 @@ class MORPHRETARGET_PT_joints(InTab, bpy.types.Panel):
                 row.label(text=str(icons.count(name)), icon=name)
 
 
+def _fitting(ob: bpy.types.Object | None) -> list[str]:
+    """Return the presets that come with the extension and fit the bones of a rig."""
+    names = [] if ob is None else [bone.name for bone in armature_of(ob).bones]
+    return [fit.family.name for fit in families.fitting(names)]
+
+
 class MORPHRETARGET_MT_presets(bpy.types.Menu):
     bl_idname = "MORPHRETARGET_MT_presets"
     bl_label = "Joint Presets"
 
-    def draw(self, _: bpy.types.Context) -> None:
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         found = presets.names()
+        fitting = [name for name in _fitting(shown_rig(context)) if name not in found]
         for name in found:
             layout.operator("morph_retarget.load_preset", text=name, icon="PRESET", translate=False).name = name
-        if not found:
+        if not found and not fitting:
             layout.label(text="No presets yet")
+        if fitting:
+            layout.label(text="For Bones with Such Names")
+        for name in fitting:
+            layout.operator("morph_retarget.load_preset", text=name, icon="PRESET", translate=False).name = name
         layout.separator()
         layout.operator_context = "INVOKE_DEFAULT"
         layout.operator("morph_retarget.save_preset", icon="ADD")

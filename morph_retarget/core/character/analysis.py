@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -10,13 +10,14 @@ from .. import quat
 from ..arrays import Array
 from ..errors import RigError
 from ..skeleton import Skeleton
-from . import capabilities, face, fingers, joints, morphology, orientation
+from . import capabilities, face, fingers, joints, morphology, named_body, orientation
 from .anatomy import Evidence, collect
 from .character import Character
 from .frame import CharacterFrame, Placement
 from .joint_map import Found
 from .joints import JointMatch
 from .morphology import Limb, LimbKind, Morphology
+from .named_body import MARGIN, NamedBody
 from .orientation import SideVotes, Sight
 from .trunk import Trunk
 
@@ -76,7 +77,13 @@ def analyze(
         votes = orientation.side_votes(sight) if overrides.forward is None else votes
         plan = morphology.find(sight.body, left_is_x=votes.sign > 0)
     humanoid = _is_humanoid(sight, plan)
-    matches = joints.override(_joints(sight, votes, plan, humanoid), overrides.joints, skeleton)
+    named = named_body.find(evidence)
+    if named is not None and not (humanoid and named.agrees(sight.decision) and _sides_agree(sight, votes, named)):
+        sight, humanoid = named.sight(evidence, overrides.up, overrides.forward), True
+        votes, overrides = SideVotes(MARGIN, 0.0), replace(overrides, forward=-sight.body.axes[1])
+        plan = morphology.find(sight.body, left_is_x=True)
+    found = _joints(sight, votes, plan, humanoid)
+    matches = joints.override(_filled(found, named, skeleton), overrides.joints, skeleton)
     bones = {joint: skeleton.index[match.bone] for joint, match in matches.items()}
     if humanoid:
         plan = _humanoid_plan(evidence, plan, bones, sight.decision.spine)
@@ -121,6 +128,11 @@ def _is_humanoid(sight: Sight, plan: Morphology) -> bool:
     return float(rise[2]) > least * float(np.linalg.norm(rise))
 
 
+def _sides_agree(sight: Sight, votes: SideVotes, named: NamedBody) -> bool:
+    """Return whether names and body say the same of left and right, or the body is straight enough to outvote them."""
+    return not votes.contradicted or not named.is_lopsided(sight.body)
+
+
 # --- joints ---
 
 
@@ -148,6 +160,16 @@ def _joints(sight: Sight, votes: SideVotes, plan: Morphology, humanoid: bool) ->
     return joints.in_order(
         {joint: JointMatch(names[f.bone], _confidence(f.margin), f.by) for joint, f in sided.items()}
     )
+
+
+def _filled(found: Mapping[str, JointMatch], named: NamedBody | None, skeleton: Skeleton) -> dict[str, JointMatch]:
+    """Return joints with those that nobody found, but that the names of a family tell."""
+    if named is None:
+        return dict(found)
+    taken = {match.bone for match in found.values()}
+    told = {joint: skeleton.names[bone] for joint, bone in named.bones.items() if joint not in found}
+    new = {j: JointMatch(b, _confidence(MARGIN), "name") for j, b in told.items() if b not in taken}
+    return joints.in_order({**found, **new})
 
 
 def _creature_trunk(evidence: Evidence, plan: Morphology) -> dict[str, Found]:

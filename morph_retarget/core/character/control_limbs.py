@@ -5,8 +5,10 @@ from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product, takewhile
 
+from ..errors import MappingError
 from . import control_names
 from .control_facts import COPYING, BoneFacts, Follows, upstream
+from .control_given import Reaching, switch_of
 from .control_names import Family, Limb
 
 _SWITCHED = COPYING | {"IK"}
@@ -35,6 +37,8 @@ class LimbControls:
     """What the middle joint points to, None where the rig has no such control."""
     tip: str | None
     """What turns the toes meanwhile, None where that is no other control."""
+    heel: str | None
+    """What turns the last segment of a leg of three bones about the end, None for all others."""
     turned: tuple[Setting, ...]
     """What lets forward kinematics count; nothing where inverse kinematics always does."""
     reached: tuple[Setting, ...]
@@ -47,7 +51,12 @@ def has(rig: Mapping[str, BoneFacts], bone: str, prop: str) -> bool:
 
 
 def limb_controls(
-    rig: Mapping[str, BoneFacts], family: Family | None, limb: Limb, turning: Mapping[str, str], shared: Container[str]
+    rig: Mapping[str, BoneFacts],
+    family: Family | None,
+    limb: Limb,
+    turning: Mapping[str, str],
+    shared: Container[str],
+    said: Reaching | None = None,
 ) -> LimbControls | None:
     """Return how a limb is brought to a place, None where the rig has no control for that.
 
@@ -57,29 +66,68 @@ def limb_controls(
         limb: The limb.
         turning: Deform bone to the control that turns it.
         shared: Bones that the rest of the body follows too.
+        said: What the user says of it.
+
+    Raises:
+        MappingError: The user has named a bone or property that does not exist, or no control and none is found.
     """
     named = None if family is None else _named(rig, family, limb, turning)
-    return named or _constrained(rig, family, limb, turning, shared)
+    found = named or _constrained(rig, family, limb, turning, shared)
+    return found if said is None else _as_said(rig, family, limb, turning, found, said)
+
+
+def _as_said(
+    rig: Mapping[str, BoneFacts],
+    family: Family | None,
+    limb: Limb,
+    turning: Mapping[str, str],
+    found: LimbControls | None,
+    said: Reaching,
+) -> LimbControls:
+    """Return the controls of a limb with what the user says of them."""
+    chain = limb.bones
+    control = said.control or (found.control if found else "")
+    pole = said.pole or (found.pole if found else None)
+    if not control:
+        raise MappingError(f"what brings {limb.end!r} to its place is not found: name its IK control too")
+    for name in filter(None, (control, pole)):
+        if name not in rig:
+            raise MappingError(
+                f"bone {limb.end!r} is to be moved by {name!r}, which the armature does not have: choose another"
+            )
+    turned, reached = (found.turned, found.reached) if found else ((), ())
+    if said.switch:
+        bone, prop, value = switch_of(said.switch, limb.end)
+        if not has(rig, bone, prop):
+            raise MappingError(f"the switch of {limb.end!r} is {said.switch!r}, which the armature does not have")
+        turned, reached = (Setting(bone, prop, 1.0 - value),), (Setting(bone, prop, value),)
+    elif found is None and (by_drivers := switch(rig, family, chain, turning)) is not None:
+        turned, reached = (by_drivers[0],), (by_drivers[1],)
+    tip, heel = (found.tip, found.heel) if found and found.control == control else (None, None)
+    return LimbControls(limb, control, pole, tip, heel, _serving(chain, turned), _serving(chain, reached))
 
 
 def _named(rig: Mapping[str, BoneFacts], family: Family, limb: Limb, turning: Mapping[str, str]) -> LimbControls | None:
-    control = control_names.among(family.reaching, control_names.bases(family, limb.end), rig)
-    chain = (limb.upper, limb.middle, limb.end)
+    chain = limb.bones
+    control = control_names.among(family.reaching, control_names.bases(family, chain[-1]), rig)
+    heel = control_names.among(family.heels, control_names.bases(family, limb.heel), rig)
     found = None if control is None else switch(rig, family, chain, turning)
-    if control is None or found is None:
+    if control is None or found is None or (limb.heel and heel is None):
         return None
     turned, reached = found
     beside = [Setting(turned.bone, prop, value) for prop, value in family.beside if has(rig, turned.bone, prop)]
     pole = control_names.of_limb(family, family.poles, limb, rig)
     tip = control_names.among(family.reaching, control_names.bases(family, limb.tip), rig)
-    return LimbControls(limb, control, pole, tip, _serving(chain, (turned,)), _serving(chain, (reached, *beside)))
+    return LimbControls(limb, control, pole, tip, heel, _serving(chain, (turned,)), _serving(chain, (reached, *beside)))
 
 
 def _constrained(
     rig: Mapping[str, BoneFacts], family: Family | None, limb: Limb, turning: Mapping[str, str], shared: Container[str]
 ) -> LimbControls | None:
     """Return how a limb is brought to a place by what inverse kinematics aims at."""
-    chain = (limb.upper, limb.middle, limb.end)
+    chain = limb.bones
+    if limb.heel:
+        return None  # what turns its last segment is not to be seen from constraints
     aiming = _aiming([rig[name] for part in chain[1::-1] for name in upstream(rig, part)])
     control = None if aiming is None else _held_by(rig, aiming.bones[0], shared)
     if aiming is None or control is None or control not in _above_all(rig, limb.end):
@@ -90,7 +138,7 @@ def _constrained(
         return None
     pole = None if aiming.pole is None else _held_by(rig, aiming.pole, shared)
     turned, reached = ((), ()) if found is None else ((found[0],), (found[1],))
-    return LimbControls(limb, control, pole, None, _serving(chain, turned), _serving(chain, reached))
+    return LimbControls(limb, control, pole, None, None, _serving(chain, turned), _serving(chain, reached))
 
 
 def _aiming(bones: Iterable[BoneFacts]) -> Follows | None:

@@ -24,6 +24,13 @@ class Limb:
     end: str
     tip: str = ""
     """Toes, empty without them."""
+    heel: str = ""
+    """What lies between the middle one and the end in legs of three bones, as of beasts; empty in all others."""
+
+    @property
+    def bones(self) -> tuple[str, ...]:
+        """What inverse kinematics poses, from the top down: in legs of three bones the end turns by itself."""
+        return (self.upper, self.middle, self.heel or self.end)
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,8 @@ class Family:
     """Of the controls that turn parts by forward kinematics."""
     reaching: Patterns
     """Of the controls that bring the ends of limbs to places."""
+    heels: Patterns
+    """Of what turns the last segment of a leg of three bones about its end."""
     poles: Patterns
     """Of what middle joints point to; with the fields ``{upper}``, ``{end}`` and ``{kind}``."""
     trunk: Patterns
@@ -63,6 +72,7 @@ FAMILIES = (
         deform=("DEF-{}",),
         turning=("{}_fk", "{}"),
         reaching=("{}_ik",),
+        heels=("{}_heel_ik",),
         poles=("{upper}_ik_target",),
         trunk=("torso",),
         roles={"neck": ("neck",), "head": ("head",), "jaw": ("jaw_master",)},
@@ -76,6 +86,7 @@ FAMILIES = (
         deform=("{}_stretch", "{}_twist", "{}_01", "{}"),
         turning=("c_{}_fk", "c_{}"),
         reaching=("c_{}_ik",),
+        heels=(),
         poles=("c_{kind}s_pole", "c_{kind}_pole"),
         trunk=("c_root_master.x", "c_root_master"),
         holders=("c_{end}_ik",),
@@ -86,6 +97,7 @@ FAMILIES = (
         deform=("DEF-{}_1", "DEF-{}1", "DEF-{}"),
         turning=("FK-{}",),
         reaching=("IK-MSTR-{}", "IK-{}"),
+        heels=(),
         poles=("IK-POLE-{upper}", "POLE-{upper}"),
         trunk=("MSTR-Torso", "MSTR-Spine_Torso", "MSTR-Spine", "MSTR-Hips", "Torso"),
         holders=("Properties", "Properties_IKFK", "PRP-Properties"),

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from ..errors import MappingError
 from . import control_names
 from .control_facts import CARRYING, WHOLE, BoneFacts, upstream, upstream_of_all
+from .control_given import Reaching
 from .control_limbs import LimbControls, Setting, has, limb_controls, switch
 from .control_names import FAMILIES, Family, Limb
 from .joints import PARENTS
@@ -55,13 +56,15 @@ class Wanted:
     """Deform bones of all limbs, from the top down."""
     given: Mapping[str, str] = field(default_factory=dict[str, str])
     """The user's own: deform bone to control."""
+    reaches: Mapping[str, Reaching] = field(default_factory=dict[str, Reaching])
+    """What the user says of limbs, by the deform bones of their ends."""
 
 
 def read(facts: Sequence[BoneFacts], wanted: Wanted) -> Controls | None:
     """Return the controls of a rig, None for one that is posed by its deform bones.
 
     Raises:
-        MappingError: A control that the user has named does not exist.
+        MappingError: A control or switch that the user has named does not exist.
     """
     rig = {bone.name: bone for bone in facts}
     for bone, control in wanted.given.items():
@@ -82,13 +85,16 @@ def read(facts: Sequence[BoneFacts], wanted: Wanted) -> Controls | None:
     if hips in wanted.given:
         trunk = wanted.given[hips]
     trunk = trunk or turning.get(hips)
-    found = [limb_controls(rig, family, limb, turning, _shared(rig, wanted, limb)) for limb in wanted.limbs]
+    found = (
+        limb_controls(rig, family, limb, turning, _shared(rig, wanted, limb), wanted.reaches.get(limb.end))
+        for limb in wanted.limbs
+    )
     limbs = tuple(limb for limb in found if limb is not None)
     if all(bone == control for bone, control in turning.items()) and not limbs:
         return None
     own = {*turning.values(), *([trunk] if trunk else ()), *(limb.control for limb in limbs)}
-    own |= {name for limb in limbs for name in (limb.pole, limb.tip) if name}
-    name = GIVEN if wanted.given and family is None else FOUND if family is None else family.name
+    own |= {name for limb in limbs for name in (limb.pole, limb.tip, limb.heel) if name}
+    name = GIVEN if (wanted.given or wanted.reaches) and family is None else FOUND if family is None else family.name
     settings = [] if family is None else [Setting(*one) for one in family.settings if has(rig, one[0], one[1])]
     bent = {limb.limb.upper for limb in limbs}
     for chain in wanted.chains:

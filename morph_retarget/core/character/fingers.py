@@ -18,7 +18,7 @@ from .words import DIGITS, Sense
 
 THUMB_JOINTS = ("Metacarpal", "Proximal", "Distal")
 FINGER_JOINTS = ("Proximal", "Intermediate", "Distal")
-_LABELS = {
+LABELS = {
     Sense.THUMB: "Thumb",
     Sense.INDEX: "Index",
     Sense.MIDDLE: "Middle",
@@ -126,7 +126,7 @@ def _labelled(evidence: Evidence, line: Sequence[int]) -> Chain:
         reading = evidence.readings[bone]
         named = [s for s in DIGITS if s in reading.senses and not _is_place(s, reading)]
         if (named or "fore" in reading.words) and not reading.has(Sense.TOE):
-            digit = _LABELS[named[0] if named else Sense.INDEX]
+            digit = LABELS[named[0] if named else Sense.INDEX]
             break
         if reading.has(Sense.FINGER) and number is None:
             number = _number(reading)

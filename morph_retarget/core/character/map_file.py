@@ -10,6 +10,7 @@ from typing import Any, cast
 
 from ..errors import MappingError
 from .character import Character
+from .control_given import ENDS, FIELDS, Reaching, switch_of
 from .joints import PARENTS
 
 FORMAT = 1
@@ -28,7 +29,7 @@ def parse(text: str, origin: str) -> dict[str, str]:
     """
     out: dict[str, str] = {}
     for joint, entry in _entries(text, origin):
-        if isinstance(entry, dict) and "bone" not in entry and "control" in entry:
+        if isinstance(entry, dict) and "bone" not in entry and any(name in entry for name in ("control", *FIELDS)):
             continue  # it says nothing of the bone
         bone: Any = cast("dict[str, Any]", entry).get("bone") if isinstance(entry, dict) else entry
         if bone is not None and not isinstance(bone, str):
@@ -57,20 +58,62 @@ def parse_controls(text: str, origin: str) -> dict[str, str]:
     return out
 
 
-def _entries(text: str, origin: str) -> list[tuple[str, Any]]:
-    """Return what a map says, joint by joint.
+def parse_reaches(text: str, origin: str) -> dict[str, Reaching]:
+    """Return what a map says of how hands and feet are brought to places, by joint.
+
+    ``{"leftHand": {"reach": "hand_ik.L", "pole": "elbow.L", "switch": "Properties['ik_left_arm'] = 1"}}``
+
+    Args:
+        text: JSON.
+        origin: Where it came from, for messages.
 
     Raises:
-        MappingError: See `parse`.
+        MappingError: It is no JSON, or no joint map; or that is said of another joint, or not in words.
+    """
+    out: dict[str, Reaching] = {}
+    for joint, entry in _entries(text, origin):
+        table: dict[str, Any] = cast("dict[str, Any]", entry) if isinstance(entry, dict) else {}
+        said = {name: table[name] for name in FIELDS if name in table}
+        for name, value in said.items():
+            if joint not in ENDS:
+                raise MappingError(f"{origin}: joint {joint} has a {name}, which only {', '.join(ENDS)} can have")
+            if not isinstance(value, str):
+                raise MappingError(f"{origin}: joint {joint} has the {name} {value!r}: give it as text")
+        found = Reaching(*(str(said.get(name, "")) for name in FIELDS))
+        if found.switch:
+            switch_of(found.switch, joint)
+        if found != Reaching():
+            out[joint] = found
+    return out
+
+
+def plain(text: str, origin: str) -> object:
+    """Return the plain data that a map is made of.
+
+    Args:
+        text: JSON.
+        origin: Where it came from, for messages.
+
+    Raises:
+        MappingError: It is no JSON.
     """
     try:
-        data = json.loads(text)
+        return json.loads(text)
     except json.JSONDecodeError as error:
         raise MappingError(
             f"{origin}: line {error.lineno} is no JSON ({error.msg}): mend it or save the map again"
         ) from error
     except (ValueError, RecursionError) as error:  # numbers of very many digits, and brackets in brackets
         raise MappingError(f"{origin}: is no joint map: save the map again") from error
+
+
+def _entries(text: str, origin: str) -> list[tuple[str, Any]]:
+    """Return what a map says, joint by joint.
+
+    Raises:
+        MappingError: See `parse`.
+    """
+    data = plain(text, origin)
     table: Any = cast("dict[str, Any]", data).get("joints", data) if isinstance(data, dict) else None
     if not isinstance(table, dict):
         raise MappingError(f'{origin}: is no joint map: it should look like {{"joints": {{"hips": "Bone"}}}}')
@@ -83,12 +126,20 @@ def _entries(text: str, origin: str) -> list[tuple[str, Any]]:
     return found
 
 
-def preset(joints: Mapping[str, str], controls: Mapping[str, str] | None = None) -> str:
-    """Return joints and the controls that the user has named, joint to bone, as the text of a preset."""
-    named = controls or {}
-    table = {
-        joint: {"bone": bone, "control": named[joint]} if joint in named else bone for joint, bone in joints.items()
-    }
+def preset(
+    joints: Mapping[str, str],
+    controls: Mapping[str, str] | None = None,
+    reaches: Mapping[str, Reaching] | None = None,
+) -> str:
+    """Return joints and the controls that the user has named, by joint, as the text of a preset."""
+    table: dict[str, object] = {}
+    for joint, bone in joints.items():
+        reach = (reaches or {}).get(joint, Reaching())
+        said = zip(
+            ("control", *FIELDS), ((controls or {}).get(joint), reach.control, reach.pole, reach.switch), strict=True
+        )
+        own = {name: value for name, value in said if value}
+        table[joint] = {"bone": bone, **own} if own else bone
     return json.dumps({"format": FORMAT, "joints": table}, indent=2, ensure_ascii=False) + "\n"
 
 

@@ -17,6 +17,8 @@ EXACT = 1e-10
 """Error of a squared distance that is left, as a share of the square of the chain's length."""
 FOLD = 0.97 * np.pi
 """No bone turns farther than this from the line [rad]."""
+FEW = 64
+"""So many chains are not worth parting those that are open from those that are there."""
 _TINY = 1e-12
 
 
@@ -48,23 +50,27 @@ def _factor(angles: Array, sides: Array, lengths: Array, distance: Array) -> Arr
     Newton's method for the square of that factor, of which the square of the distance is nearly a linear function; kept
     between bounds that close in, by bisection where a step would leave them.
     """
-    low = np.zeros_like(distance)
+    full = lengths.sum(axis=-1)
     high = (FOLD / np.maximum(_widest(angles, sides, lengths), 1e-6)) ** 2
-    found = np.minimum(high, 1.0)
-    square = np.minimum(distance, lengths.sum(axis=-1)) ** 2
-    close_enough = EXACT * (lengths.sum(axis=-1) ** 2)
+    shape, bones = high.shape, angles.shape[-1]
+    out = np.minimum(high, 1.0).ravel()
+    rows, found, low, high = np.arange(out.size), out, np.zeros_like(out), high.ravel()
+    square = np.broadcast_to(np.minimum(distance, full) ** 2, shape).ravel()
+    close_enough = np.broadcast_to(EXACT * (full**2), shape).ravel()
+    lengths = np.broadcast_to(lengths, angles.shape).reshape(-1, bones)
+    angles, sides = angles.reshape(-1, bones), sides.reshape(-1, bones, 3)
     for _ in range(STEPS):
         factor = np.sqrt(np.maximum(found, _TINY))
-        bent = factor[..., None] * angles
+        bent = factor[:, None] * angles
         cosine, sine = lengths * np.cos(bent), lengths * np.sin(bent)
         along = cosine.sum(axis=-1)
-        across = np.matmul(sine[..., None, :], sides)[..., 0, :]
+        across = np.matmul(sine[:, None], sides)[:, 0]
         excess = along * along + quat.dot(across, across) - square
         # What is there stays as it is, to the bit, however long other frames take.
         open_ = np.abs(excess) > close_enough
         if not open_.any():
             break
-        turning = np.matmul((angles * cosine)[..., None, :], sides)[..., 0, :]
+        turning = np.matmul((angles * cosine)[:, None], sides)[:, 0]
         slope = (quat.dot(across, turning) - along * (angles * sine).sum(axis=-1)) / factor
         # Behind its shortest a chain gets longer again: there is no way there.
         too_long = (excess > 0.0) & (slope < 0.0)
@@ -72,7 +78,13 @@ def _factor(angles: Array, sides: Array, lengths: Array, distance: Array) -> Arr
         step = np.maximum(found - excess / np.minimum(slope, -_TINY), 0.0)
         inside = (step >= low) & (step <= high)
         found = np.where(open_, np.where(inside, step, 0.5 * (low + high)), found)
-    return np.sqrt(found)
+        out[rows] = found
+        if len(rows) > FEW and 2 * np.count_nonzero(open_) < len(rows):
+            # A few take many steps, those above all that cannot get there: the others need not wait for them.
+            rows, found, low, high = rows[open_], found[open_], low[open_], high[open_]
+            square, close_enough = square[open_], close_enough[open_]
+            lengths, angles, sides = lengths[open_], angles[open_], sides[open_]
+    return np.sqrt(out).reshape(shape)
 
 
 def _widest(angles: Array, sides: Array, lengths: Array) -> Array:

@@ -17,10 +17,10 @@ from ..commands.command import Command
 from ..commands.parameters import told
 from . import faces, gaze, handling, leaning, nodding, reaching, saccades
 from .actor import Actor
-from .arms import Arm
+from .arms import arms_of
 from .behaviour import Cue, Scene, cues_of
 from .faces import FACE
-from .hands import hands_of, mouth_of
+from .hands import mouth_of
 from .holding import Holding
 from .posture import Posture
 from .registry import BEHAVIOURS
@@ -66,9 +66,9 @@ def act(
         warnings += problems
     shown, problems = faces.weights(scene, commands)
     warnings += problems
-    hands, mouth = hands_of(actor), mouth_of(actor)
-    arms = {hand.body: Arm(actor, hand, settings) for hand in hands}
-    able = [hand for hand in hands if arms[hand.body].joints]
+    mouth = mouth_of(actor)
+    arms = {arm.hand.body: arm for arm in arms_of(actor, settings)}
+    able = [arm.hand for arm in arms.values() if arm.joints]
     mouth = mouth if not any(hand.is_taking for hand in able) else None
     warnings += _unable(actor, cues, bool(able) or mouth is not None)
     if mouth is not None:  # what has no hands points with its head

@@ -5,7 +5,7 @@ their turns, as it will when the pose is solved in the end, so both come to the 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ...solve.goals import Goals
 from ...solve.plan import Plan
 from ...solve.settings import DEFAULT, SolverSettings
 from .actor import Actor
-from .hands import Hand
+from .hands import Hand, hands_of
 from .posture import Posture
 
 
@@ -74,3 +74,9 @@ class Arm:
         counts = np.zeros(turns.shape[:2])
         positions[:, -1], counts[:, -1], counts[:, 0] = places, influence, 1.0
         return Goals(self.bodies, positions, turns, counts, np.ones_like(counts))
+
+
+@lru_cache(maxsize=16)
+def arms_of(actor: Actor, settings: SolverSettings = DEFAULT) -> tuple[Arm, ...]:
+    """Return the limbs of all hands of a character, in their order; kept, as it is told one thing after another."""
+    return tuple(Arm(actor, hand, settings) for hand in hands_of(actor))
