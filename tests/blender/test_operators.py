@@ -163,7 +163,9 @@ def test_retargeting_makes_a_new_action_and_leaves_everything_else() -> None:
     assert made != clip
     assert _snapshot(source, clip) == before
     assert bpy.context.scene.frame_current == frame
-    assert retargeting.latest[target.session_uid]["frames"] == 34
+    report = retargeting.latest(target)
+    assert report is not None
+    assert report["frames"] == 34
 
 
 def test_all_actions_of_the_source_are_retargeted_in_one_go() -> None:
@@ -266,6 +268,19 @@ def test_a_contact_of_an_unknown_foot_is_named() -> None:
 
 
 # --- undo ---
+
+
+def test_what_was_undone_is_told_of_no_more() -> None:
+    window.pair()
+    bpy.ops.ed.undo_push(message="Before")
+    ops.retarget()
+    bpy.ops.ed.undo_push(message="Retarget")
+    assert retargeting.latest(bpy.data.objects["Sprout"]) is not None
+    bpy.ops.ed.undo()
+    assert retargeting.latest(bpy.data.objects["Sprout"]) is None
+
+
+# --- choosing rigs ---
 
 
 def test_swapping_and_selecting_choose_the_rigs() -> None:

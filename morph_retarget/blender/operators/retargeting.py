@@ -13,8 +13,14 @@ from ..retarget import Outcome
 from .manners import Status, pair_poll, scene_in
 from .stepping import Stepping
 
-latest: dict[int, dict[str, Any]] = {}
-"""Report of each target's last retarget, by session-wide number."""
+_latest: dict[int, tuple[int, dict[str, Any]]] = {}
+"""What each target's last retarget made, and its report, by session-wide numbers."""
+
+
+def latest(target: bpy.types.Object) -> dict[str, Any] | None:
+    """Return the report of a target's last retarget, None where there was none or it has been undone."""
+    made, report = _latest.get(target.session_uid, (0, None))
+    return report if any(action.session_uid == made for action in bpy.data.actions) else None
 
 
 def steps(
@@ -80,7 +86,7 @@ class MORPHRETARGET_OT_retarget(Stepping, bpy.types.Operator):
         for warning in dict.fromkeys(w for outcome in outcomes for w in outcome.warnings):
             self.report({"WARNING"}, warning)
         last = outcomes[-1]
-        latest[target.session_uid] = last.report
+        _latest[target.session_uid] = last.action.session_uid, last.report
         made = f"{len(outcomes)} actions" if len(outcomes) > 1 else f"action {last.action.name!r}"
         self.report({"INFO"}, f"Made {made} with {last.report['joints_mapped']} bones")
         return {"FINISHED"}

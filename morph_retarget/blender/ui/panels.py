@@ -81,7 +81,7 @@ class MORPHRETARGET_PT_main(InTab, bpy.types.Panel):
             say(layout, problem, "ERROR", context)
 
     def _tell_result(self, layout: bpy.types.UILayout, target: bpy.types.Object) -> None:
-        report = latest.get(target.session_uid)
+        report = latest(target)
         if report is None:
             return
         box = layout.box().column(align=True)
