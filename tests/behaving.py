@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -13,15 +13,16 @@ from morph_retarget.core.character.character import Character
 from morph_retarget.core.clips.behaviours import acting
 from morph_retarget.core.clips.behaviours.acting import Acted
 from morph_retarget.core.clips.behaviours.actor import Actor
-from morph_retarget.core.clips.behaviours.arms import Arm
+from morph_retarget.core.clips.behaviours.arms import Arm, arms_of
 from morph_retarget.core.clips.behaviours.behaviour import Scene
-from morph_retarget.core.clips.behaviours.hands import Hand, hands_of
+from morph_retarget.core.clips.behaviours.hands import Hand
 from morph_retarget.core.clips.behaviours.posture import Posture
 from morph_retarget.core.clips.commands.command import Command, Value, Verb
 from morph_retarget.core.clips.track import Track
 from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.solve import posing
 from morph_retarget.core.solve.goals import Goals
+from morph_retarget.core.solve.plan import Plan
 from tests.skeletons import skeleton_of
 from tools.creatures import CREATURES
 from tools.figure import Build, humanoid
@@ -44,11 +45,11 @@ class Subject:
     @cached_property
     def hands(self) -> Sequence[Hand]:
         """What it reaches with and the solver can move."""
-        return [hand for hand in hands_of(self.actor) if Arm(self.actor, hand).joints]
+        return [arm.hand for arm in arms_of(self.actor) if arm.joints]
 
     def arm(self, hand: Hand) -> Arm:
         """Return the limb of a hand."""
-        return Arm(self.actor, hand)
+        return next(arm for arm in arms_of(self.actor) if arm.hand.body == hand.body)
 
     def standing(self, count: int) -> Posture:
         """Return how it stands, over some frames."""
@@ -93,8 +94,7 @@ class Shown:
         above = {actor.root, *actor.tree.ancestors[actor.root]}
         bodies = [actor.root, *(body for body in range(len(actor.rest)) if body not in above)]
         hands = acted.bodies.tolist()
-        wanted = [(body, body == actor.root or body in hands, True) for body in bodies]
-        plan = posing.prepare(actor.character, actor.rest, actor.root, wanted)
+        plan = _plan(actor, tuple((body, body == actor.root or body in hands, True) for body in bodies))
         places = acted.posture.positions[:, bodies].copy()
         counts = np.zeros(places.shape[:2])
         counts[:, 0] = 1.0
@@ -111,6 +111,11 @@ class Shown:
     def point(self, hand: Hand, rest: Array) -> Array:
         """Return where a point of a hand is [m], from its joint at rest, shape (3,) to (n, 3)."""
         return self.posture.point(hand.body, rest)
+
+
+@lru_cache(maxsize=16)
+def _plan(actor: Actor, wanted: tuple[tuple[int, bool, bool], ...]) -> Plan:
+    return posing.prepare(actor.character, actor.rest, actor.root, wanted)
 
 
 def start(time: float, model: str, **parameters: Value) -> Command:

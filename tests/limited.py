@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -44,10 +45,7 @@ class Limbed:
 
     def plan(self, limits: JointLimits | None) -> Plan:
         """Return how goals for the places of the limbs' ends are met."""
-        wanted = [(body, True, body == self.subject.root) for body in self.ends.tolist()]
-        return posing.prepare(
-            self.subject.character, self.subject.bodies.positions, self.subject.root, wanted, limits=limits
-        )
+        return _plan(self.subject, tuple(self.ends.tolist()), limits)
 
     def told(self, pose: BodyPose) -> Array:
         """Return swings and twists of all bodies against their parents, shape (frame, body, 3)."""
@@ -81,6 +79,12 @@ class Limbed:
     @property
     def _back(self) -> Array:
         return quat.conjugate(self.axes)
+
+
+@lru_cache(maxsize=64)
+def _plan(subject: Subject, ends: tuple[int, ...], limits: JointLimits | None) -> Plan:
+    wanted = [(body, True, body == subject.root) for body in ends]
+    return posing.prepare(subject.character, subject.bodies.positions, subject.root, wanted, limits=limits)
 
 
 def limbed(subject: Subject) -> Limbed:

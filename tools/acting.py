@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from morph_retarget.blender import actions
-from morph_retarget.blender.morph import cast, choice, definitions, keys
+from morph_retarget.blender.morph import analyses, cast, choice, definitions, keys, own_values
 from morph_retarget.blender.morph.properties import of_action
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import quat
@@ -119,13 +119,13 @@ def _write_curve(
 def fitting(acts: Sequence[Act], movement: str, ob: bpy.types.Object) -> Act | None:
     """Return the act of a movement that is for a character, None when none is."""
     found = sorted((act for act in acts if (act.movement or act.name) == movement), key=lambda act: act.name)
-    place = branch.choose([act.branch for act in found], cast.analysed(ob)[2])
+    place = branch.choose([act.branch for act in found], analyses.of(ob)[2])
     return None if place is None else found[place]
 
 
 def cue(ob: bpy.types.Object, action: bpy.types.Action, act: Act) -> None:
     """Give a character a place for all that an action keys: values of its channels, and their deforms."""
-    cast.ensure_values(ob, action)
+    own_values.ensure(ob, action)
     for track in act.tracks:
         deforms = of_rig(ob).channels[track.channel.name].deforms
         for name in track.deforms:

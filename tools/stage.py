@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 
 from morph_retarget.blender import rig
-from morph_retarget.blender.morph import cast, stage
+from morph_retarget.blender.morph import analyses, stage
 from morph_retarget.core.morph.context import select
 from morph_retarget.core.morph.within_reach import within_reach
 
@@ -63,14 +63,14 @@ def meet(ob: bpy.types.Object, partner: bpy.types.Object) -> None:
     """Let a character shake the right hand of another one, the outermost if that has several."""
     act = acts.named("Shake Hands")
     shake = next(track.channel for track in act.tracks if track.channel.name == "Shake")
-    bodies = cast.analysed(partner)[2]
+    bodies = analyses.of(partner)[2]
     found = select(shake.context, bodies)
     acting.aim(ob, act, partner, bodies.names[found[0]])
 
 
 def fruit(ob: bpy.types.Object, name: str = "Fruit") -> bpy.types.Object:
     """Return a new fruit that a character can reach with each of its graspers."""
-    _, character, bodies = cast.analysed(ob)
+    _, character, bodies = analyses.of(ob)
     made = bpy.data.objects.new(name, fruit_mesh(name, FRUIT * bodies.size))
     rig.scene_of().collection.objects.link(made)
     local = character.local_to_character.inverse().points(within_reach(bodies))

@@ -7,7 +7,7 @@ from bpy.app.handlers import persistent
 
 from . import live, migrations
 from .controls import evaluating
-from .morph import cast, events, perform
+from .morph import cast, events, own_values, perform
 
 
 @persistent
@@ -54,7 +54,7 @@ def _on_undo(scene: bpy.types.Scene, *_: object) -> None:
 
 @persistent
 def _on_save(*_: object) -> None:
-    cast.keep_overrides()
+    own_values.keep_overrides()
     migrations.stamp()
 
 

@@ -83,6 +83,7 @@ def starting(
     Raises:
         MorphError: The motion cannot be transferred.
     """
+    retarget.check_target(target)
     _carried.pop(target.session_uid, None)
     clip = yield from within(0.0, 0.5, _sampled(scene, source, target))
     if of_rig(target).live_source is None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from morph_retarget.blender import rig
 from morph_retarget.blender.io import load
-from morph_retarget.blender.morph import cast, definitions, keys, perform, stage
+from morph_retarget.blender.morph import analyses, cast, definitions, keys, perform, stage, telling
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_channel, of_action
 from morph_retarget.blender.morph.values import MORPHRETARGET_PG_values
 from morph_retarget.blender.properties import of_rig
@@ -61,7 +61,7 @@ class Act:
 
     def tell(self, i: int = 0) -> str:
         """Return what a character says of its problems."""
-        return "\n".join(cast.tell(self.obs[i]))
+        return "\n".join(telling.tell(self.obs[i]))
 
 
 def act(obs: Iterable[bpy.types.Object], *channels: Channel, name: str = "Act") -> Act:
@@ -84,9 +84,9 @@ def creature(name: str) -> bpy.types.Object:
     """Return one of our creatures as a bare armature, bones rolled at random; its like is analysed only once."""
     ob = armatures.build(name.capitalize(), creatures.CREATURES[name](), np.random.default_rng(7))
     if name in _analysed:
-        cast.keep(ob, rig.read(ob), *_analysed[name])
+        analyses.keep(ob, rig.read(ob), *_analysed[name])
     else:
-        _, character, bodies = cast.analysed(ob)
+        _, character, bodies = analyses.of(ob)
         _analysed[name] = (character, bodies)
     return ob
 

@@ -47,6 +47,16 @@ def save(path: Path) -> Path:
     return path
 
 
+def link(path: Path, name: str) -> bpy.types.Object:
+    """Link an object of another file into the scene."""
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.objects = [name]
+    (ob,) = wanted.objects
+    bpy.context.scene.collection.objects.link(ob)
+    bpy.context.view_layer.update()
+    return ob
+
+
 def matrix(turn: Sequence[float] = (0, 0, 0), scale: object = 1.0, place: Sequence[float] = (0, 0, 0)) -> Array:
     """Return an object matrix, shape (4, 4), from a rotation vector [deg], a scale and a location."""
     out = np.eye(4)

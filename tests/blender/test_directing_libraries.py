@@ -10,7 +10,7 @@ import pytest
 from morph_retarget.blender.directing import annotations, clips, libraries
 from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.locomotion import walks
-from morph_retarget.blender.morph import cast
+from morph_retarget.blender.morph import analyses
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.clips.motions import library_file
 from morph_retarget.core.clips.motions.library import Library
@@ -58,7 +58,7 @@ def test_a_library_is_built_from_the_actions_of_selected_armatures(ob: bpy.types
     _choose(walker, ob)
     assert ops.build_library(filepath=str(tmp_path / "mine")) == {"FINISHED"}
     library = _library(tmp_path / "mine.npz")
-    assert library.model.names == tuple(cast.analysed(ob)[1].skeleton.names), "its body is the character's"
+    assert library.model.names == tuple(analyses.of(ob)[1].skeleton.names), "its body is the character's"
     (walk,) = library.motions
     assert (walk.name, walk.kind) == ("Walk", "walk")
     assert walk.annotations.cycle
@@ -169,7 +169,7 @@ def test_stopping_a_build_leaves_everything_as_it_was(ob: bpy.types.Object, tmp_
     _choose(walker)
     bpy.ops.export_anim.bvh(filepath=str(folder / "stroll.bvh"), frame_start=1, frame_end=68)
     before = [set(kind) for kind in (bpy.data.objects, bpy.data.actions)]
-    builder = Builder(Library(model_of(cast.analysed(ob)[1])))
+    builder = Builder(Library(model_of(analyses.of(ob)[1])))
     work = clips.take(builder, [], clips.files_of(folder), bpy.context.scene)
     next(work)
     work.close()

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
-from morph_retarget.blender.morph import cast
+from morph_retarget.blender.morph import analyses
 from morph_retarget.blender.operators import directing as operators
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import directing_panel, motion_tree
@@ -45,7 +45,7 @@ def ob() -> bpy.types.Object:
 def library(tmp_path_factory: pytest.TempPathFactory) -> str:
     """Return the file of a small library for that creature."""
     with window.registered():
-        _, character, _ = cast.analysed(acts.creature("biped"))
+        _, character, _ = analyses.of(acts.creature("biped"))
         path = tmp_path_factory.mktemp("library") / "small.npz"
         library_file.save(starter.starter(character, ["idle", "walk", "run"]), path)
     return str(path)

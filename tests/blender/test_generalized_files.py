@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import actions
-from morph_retarget.blender.morph import cast, definitions, keys, perform
+from morph_retarget.blender.morph import cast, definitions, keys, perform, telling
 from morph_retarget.blender.morph.properties import of_action
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.character.morphology import Capability
@@ -91,7 +91,7 @@ def test_a_loaded_file_has_all_channels_curves_values_and_targets_and_plays(tmp_
     assert scenes.keys_of(action) == was[2]
     bpy.context.scene.frame_set(20)
     assert [_values(ob) for ob in obs] == was[3]
-    assert [cast.tell(ob) for ob in obs] == [[], []]
+    assert [telling.tell(ob) for ob in obs] == [[], []]
 
 
 def _load(path: Path, link: bool, **names: list[str]) -> None:
@@ -116,7 +116,7 @@ def test_an_action_from_another_file_plays_on_the_characters_here(tmp_path: Path
         cast.add(ob, action)
         of_rig(ob).channels["Reach"].target = fruit
     assert np.abs(_poses(obs[::-1]) - was).max() < 1e-5
-    assert [cast.tell(ob) for ob in obs] == [[], []]
+    assert [telling.tell(ob) for ob in obs] == [[], []]
     path = _saved(tmp_path / "mine.blend")
     scenes.empty()
     bpy.ops.wm.open_mainfile(filepath=str(path))
@@ -146,7 +146,7 @@ def test_characters_of_a_library_play_without_being_overridden(tmp_path: Path) -
     for ob in obs:
         bpy.context.scene.collection.objects.link(ob)
     assert np.abs(_poses(obs) - was).max() < 1e-5
-    assert [cast.tell(ob) for ob in obs] == [[], []]
+    assert [telling.tell(ob) for ob in obs] == [[], []]
 
 
 def test_overridden_characters_play_a_local_action_toward_their_own_target(tmp_path: Path) -> None:
@@ -284,12 +284,12 @@ def test_an_action_of_a_newer_version_is_refused_and_keeps_everything(tmp_path: 
     assert of_action(action).version == 999
     assert [item.name for item in of_action(action).channels] == ["Reach", "Head"]
     bpy.context.scene.frame_set(1)
-    assert "newer version" in "".join(cast.tell(bpy.data.objects["Biped"]))
+    assert "newer version" in "".join(telling.tell(bpy.data.objects["Biped"]))
     of_action(action).version = 1
     perform.definition_changed(action)
     assert scenes.keys_of(action) == was[0]
     bpy.context.scene.frame_set(20)
-    assert cast.tell(bpy.data.objects["Biped"]) == []
+    assert telling.tell(bpy.data.objects["Biped"]) == []
 
 
 def _raw(item: bpy.types.PropertyGroup) -> object:
@@ -464,7 +464,7 @@ def test_an_armature_without_bones_cannot_be_added() -> None:
     assert bare.animation_data is None or bare.animation_data.action is None
     actions.assign(bare, act.action, act.action.slots[0])  # by hand, in the Action editor
     bpy.context.scene.frame_set(3)
-    assert "'Bare' has no bones" in "".join(cast.tell(bare))
+    assert "'Bare' has no bones" in "".join(telling.tell(bare))
     _plays_on(act, "Hand.L")
 
 
@@ -473,7 +473,7 @@ def test_a_character_that_gets_the_action_in_the_action_editor_plays_it() -> Non
     ob = acts.creature("asura")
     actions.assign(ob, act.action, act.action.slots[0])
     bpy.context.scene.frame_set(20)
-    assert cast.tell(ob) == ["channel 'Reach' has no target on this character: choose one"]
+    assert telling.tell(ob) == ["channel 'Reach' has no target on this character: choose one"]
     _plays_on(Act(act.action, [ob]))
 
 

@@ -10,7 +10,7 @@ from mathutils import Matrix
 
 from morph_retarget.blender import joint_limits, rig
 from morph_retarget.blender.io import load
-from morph_retarget.blender.morph import cast
+from morph_retarget.blender.morph import analyses, cast
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import quat
 from morph_retarget.core.arrays import Array
@@ -126,13 +126,13 @@ def test_an_edited_limit_is_followed_at_once() -> None:
     ob, knee = act.obs[0], act.obs[0].pose.bones[KNEE]
     bpy.context.scene.frame_set(10)
     free = acts.pose(ob)
-    analysed = cast.analysed(ob)
+    analysed = analyses.of(ob)
     for most in (70.0, 40.0, 85.0):
         _limit(knee, x=(0.0, most), y=(0.0, 0.0), z=(0.0, 0.0))
         shown = acts.pose(ob)
         bend = quat.angle_between(*(quat.from_matrix(m[:3, :3]) for m in (_local(ob, shown), _local(ob, None))))
         assert abs(np.degrees(bend) - most) < NEAR
-    assert cast.analysed(ob) is analysed, "what the rig is has not changed"
+    assert analyses.of(ob) is analysed, "what the rig is has not changed"
     of_rig(ob).use_joint_limits = False
     bpy.context.view_layer.update()
     assert np.abs(acts.pose(ob) - free).max() < 1e-6

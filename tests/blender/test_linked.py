@@ -16,16 +16,6 @@ from tests.blender.command import Command
 from tests.blender.files import Files
 
 
-def link(path: Path, name: str) -> bpy.types.Object:
-    """Link an object of another file into the scene."""
-    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
-        wanted.objects = [name]
-    (ob,) = wanted.objects
-    bpy.context.scene.collection.objects.link(ob)
-    bpy.context.view_layer.update()
-    return ob
-
-
 @pytest.fixture
 def library(tmp_path: Path) -> Path:
     scenes.empty()
@@ -39,7 +29,7 @@ def library(tmp_path: Path) -> Path:
 def test_a_library_override_is_given_motion_that_is_saved_with_its_file(
     walk: Source, library: Path, tmp_path: Path, lay: Lay
 ) -> None:
-    ob = link(library, "Sprout").override_create(remap_local_usages=True)
+    ob = scenes.link(library, "Sprout").override_create(remap_local_usages=True)
     ob.override_library.is_system_override = False
     scenes.give(walk, ob, Options(lay=lay))
     if lay is Lay.STASH:
@@ -54,7 +44,7 @@ def test_a_library_override_is_given_motion_that_is_saved_with_its_file(
 
 
 def test_an_override_of_a_rig_with_controls_gets_them(walk: Source, rigify_file: Path) -> None:
-    ob = link(rigify_file, "rig").override_create(remap_local_usages=True)
+    ob = scenes.link(rigify_file, "rig").override_create(remap_local_usages=True)
     ob.override_library.is_system_override = False
     outcome = scenes.give(walk, ob)
     assert outcome.report["controls"]["deform_error_deg"]["max"] < 0.01
@@ -96,7 +86,7 @@ def test_an_overridden_collection_with_a_rigify_rig_keeps_its_motion_and_switche
 
 
 def test_what_is_linked_or_an_override_of_blenders_own_is_no_target(walk: Source, library: Path) -> None:
-    ob = link(library, "Sprout")
+    ob = scenes.link(library, "Sprout")
     with pytest.raises(RigError, match=r"linked from .*library\.blend"):
         scenes.give(walk, ob)
     own = ob.override_create(remap_local_usages=True)
@@ -113,7 +103,7 @@ def test_a_linked_source_gives_its_motion(walk: Source, tmp_path: Path, stepped:
         walker.pose.bones["leftHand"].constraints.new("LIMIT_SCALE")
     path = scenes.save(tmp_path / "clip.blend")
     scenes.empty()
-    source, target = link(path, "Walker"), scenes.sprout()
+    source, target = scenes.link(path, "Walker"), scenes.sprout()
     clip = scenes.source_of(source)
     assert bool(clip.clip.stepped) == stepped
     scenes.give(clip, target)

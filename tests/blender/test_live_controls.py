@@ -10,7 +10,7 @@ import pytest
 from morph_retarget.blender import live
 from morph_retarget.blender.properties import MORPHRETARGET_PG_scene, of_rig, of_scene
 from morph_retarget.core.arrays import Array
-from tests.blender import control_rigs, scenes, window
+from tests.blender import scenes, window
 
 ops = bpy.ops.morph_retarget
 FRAMES = [1, 2, 5, 9, 12, 7.5]
@@ -21,11 +21,6 @@ LAST = 12
 def _registered() -> Iterator[None]:
     with window.registered():
         yield
-
-
-@pytest.fixture(scope="module")
-def horse_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return control_rigs.rigify(tmp_path_factory.mktemp("horse") / "horse.blend", "horse")
 
 
 def opened(path: Path) -> tuple[MORPHRETARGET_PG_scene, bpy.types.Object, bpy.types.Object]:
@@ -116,6 +111,27 @@ def test_a_loaded_file_follows_again_on_its_controls(rigify_file: Path, tmp_path
     target = bpy.data.objects["rig"]
     assert np.abs(deformed(target, [10]) - there).max() < 1e-5
     assert of_rig(target).live_source is not None
+
+
+def test_an_override_that_was_made_because_live_asked_for_it_follows_again_in_its_file(
+    rigify_file: Path, tmp_path: Path
+) -> None:
+    linked = scenes.link(rigify_file, "rig")
+    settings = of_scene(bpy.context.scene)
+    settings.source, settings.target = scenes.walker(), linked
+    settings.use_range, settings.frame_end = True, LAST
+    with pytest.raises(RuntimeError, match="make a library override of it first"):
+        ops.live_start()
+    target = linked.override_create(remap_local_usages=True)
+    target.override_library.is_system_override = False
+    settings.target = target
+    ops.live_start()
+    there = deformed(target, [10])
+    bpy.ops.wm.open_mainfile(filepath=str(scenes.save(tmp_path / "shot.blend")))
+    target = next(ob for ob in bpy.data.objects if ob.type == "ARMATURE" and ob.override_library)
+    assert np.abs(deformed(target, [10]) - there).max() < 1e-5
+    assert of_rig(target).live_source is not None
+    assert target.pose.bones["thigh_parent.L"]["IK_FK"] == 1.0
 
 
 def test_controls_rest_again_when_it_ends(rigify_file: Path) -> None:

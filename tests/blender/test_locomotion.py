@@ -11,7 +11,7 @@ from mathutils import Matrix
 from morph_retarget.blender import actions
 from morph_retarget.blender.locomotion import properties, walks
 from morph_retarget.blender.locomotion.properties import MORPHRETARGET_PG_gait
-from morph_retarget.blender.morph import cast, definitions, keys, paths, perform, stage
+from morph_retarget.blender.morph import analyses, cast, definitions, keys, paths, perform, stage
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import locomotion_panel
 from morph_retarget.core import play
@@ -53,7 +53,7 @@ def _shown(ob: bpy.types.Object, frames: Sequence[float] = FRAMES) -> Array:
 
 def _root(ob: bpy.types.Object, frames: Sequence[float] = FRAMES) -> Array:
     """Return where the root of a creature is in the world, shape (frame, 3)."""
-    _, _, bodies = cast.analysed(ob)
+    _, _, bodies = analyses.of(ob)
     return scenes.heads(ob, [bodies.names[play.root_of(bodies)]], frames)[:, 0]
 
 

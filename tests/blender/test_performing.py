@@ -10,6 +10,7 @@ from mathutils import Matrix
 
 from morph_retarget.blender import handlers
 from morph_retarget.blender.morph import cast, perform, stage
+from morph_retarget.blender.morph.member import Member
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.character.morphology import Capability
@@ -144,7 +145,7 @@ def test_one_character_that_cannot_play_does_not_stop_the_others(monkeypatch: py
     act = _dance([acts.creature(name) for name in ("biped", "asura", "lopside")])
     real = stage.told_targets
 
-    def told_targets(member: cast.Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> object:
+    def told_targets(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> object:
         if ob == act.obs[1]:
             raise MotionError("'Asura' is on strike: pay it")
         return real(member, ob, graph)

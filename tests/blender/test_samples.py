@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from morph_retarget.blender.morph import cast, definitions, perform, stage
+from morph_retarget.blender.morph import cast, definitions, perform, stage, telling
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import play
 from morph_retarget.core.arrays import Array
@@ -215,7 +215,7 @@ def test_the_stage_plays_whatever_action_is_chosen() -> None:
             scene.frame_set(frame)
         assert not cast.problems
         for ob in found:
-            told = cast.tell(ob)
+            told = telling.tell(ob)
             assert not any("has no target" in text or "not for this character" in text for text in told), told
             shown = perform.shown(ob)
             assert shown is not None

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from morph_retarget.blender.morph import cast, solver_properties
+from morph_retarget.blender.morph import cast, solver_properties, telling
 from morph_retarget.blender.morph.solver_properties import SHARED, MORPHRETARGET_PG_solver
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import solver_panel
@@ -156,7 +156,7 @@ def test_a_limb_that_is_none_of_the_character_is_told_and_the_rest_plays(act: Ac
     own = _solver(act)
     own.add("Tentacle").swivel = 1.0
     own.add("Hand.L").swivel = 1.0
-    assert cast.tell(act.obs[0]) == ["'Tentacle' has solver settings and is no bone of 'Biped': remove these"]
+    assert telling.tell(act.obs[0]) == ["'Tentacle' has solver settings and is no bone of 'Biped': remove these"]
     assert cast.member(act.obs[0]).solver.limbs.keys() == {"Hand.L"}
     assert not cast.problems
 

@@ -41,7 +41,7 @@ def _renamed(bones: list[Bone], names: Mapping[str, str]) -> list[Bone]:
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda own: own.name)
 def test_a_preset_is_a_map_of_a_whole_body_and_its_mirror_image(family: families.Family) -> None:
-    assert map_file.parse(family.text, family.name) == family.joints
+    assert map_file.parse(family.path.read_text(encoding="utf-8"), family.name) == family.joints
     assert set(families.BODY) <= family.joints.keys()
     assert len(set(family.joints.values())) == len(family.joints), "no bone comes twice"
     lefts = {joint.removeprefix("left") for joint in family.joints if joint.startswith("left")}

@@ -26,6 +26,7 @@ OWN_PLACE: Mapping[str, str] = {
     "morph_retarget/blender/version.py": "reads the manifest",
     "morph_retarget/blender/batch/worker.py": "tells workers of the module where the package is",
     "morph_retarget/blender/morph/channel_presets.py": "reads presets that are shipped",
+    "morph_retarget/core/character/families.py": "reads presets that are shipped",
     "morph_retarget/core/directing/recipes/shelf.py": "reads recipes that are shipped",
 }
 """Files that may ask where they are, and what for: never to write there."""

@@ -13,7 +13,7 @@ from ...core.morph.bind import GeneralizedAction
 from .. import rig
 from ..directing import scripts, walking
 from ..locomotion.properties import Source
-from ..morph import cast
+from ..morph import analyses, cast
 from ..properties import of_rig
 from ..sampling import seconds_per_frame
 from .locomotion import NoAction
@@ -61,7 +61,7 @@ def tell(source: ScriptFile, ob: bpy.types.Object) -> list[str]:
     own = of_rig(ob)
     own.gait.enabled, own.gait.source = True, Source.COMMANDS.value
     own.directing.clear()
-    _, character, _ = cast.analysed(ob)
+    _, character, _ = analyses.of(ob)
     warnings = scripts.bring_in(ob, character, told, scene, source.script.parent)
     cast.forget(ob)
     return warnings

@@ -12,7 +12,7 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import bake, cast, choice, clip, deforms, pose
+from ..morph import analyses, bake, cast, choice, clip, deforms, own_values, pose
 from ..morph.bake import Options, Take
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
@@ -198,7 +198,7 @@ def _cast(job: _Job, group: Sequence[str]) -> list[bpy.types.Object]:
             retarget.check_target(ob)
             own = of_rig(ob)
             own.up, own.forward = arguments.up or own.up, arguments.forward or own.forward
-            cast.analysed(ob)
+            analyses.of(ob)
         out.append(ob)
     action = job.source.bring()
     for ob in out:
@@ -222,7 +222,7 @@ def _aim(job: _Job, item: MORPHRETARGET_PG_values, text: str) -> None:
         names = listed(ob.name for ob in bpy.data.objects)
         raise MotionError(f"--target {item.name!r}: there is no object {text!r}: choose one of {names}")
     item.target, item.target_bone = found, "" if whole is not None else bone
-    if not cast.has_target(item):
+    if not own_values.has_target(item):
         raise MotionError(f"--target {item.name!r}: object {found.name!r} has no bone {bone!r}: choose one that it has")
 
 

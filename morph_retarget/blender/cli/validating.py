@@ -18,7 +18,7 @@ from ...core.validation.grid import Grid
 from ...core.verdicts.judging import DEFAULT, Limits
 from .. import retarget, rig, version
 from ..io import save
-from ..morph import cast
+from ..morph import analyses, cast
 from ..properties import of_rig
 from ..validation import cells, picture
 from ..validation.cells import Options
@@ -191,7 +191,7 @@ def _judged(job: _Job) -> Iterator[tuple[tuple[int, int], Cell]]:
                 with naming(str(path) if path is not None else job.characters[j].label):
                     ob = job.characters[j].among(there)
                     retarget.check_target(ob)
-                    cast.analysed(ob)
+                    analyses.of(ob)
             except MorphError as error:
                 yield from _lost(job, j, str(error))
             else:

@@ -16,7 +16,7 @@ from ..locomotion.going import Clock, Going
 from ..locomotion.guides import Asked, Guide
 from ..locomotion.properties import Source
 from ..locomotion.walk import Walk
-from ..morph.cast import Member
+from ..morph.member import Member
 from . import libraries, orders, reading
 from .reading import Briefing
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...core.arrays import Array
-from ..morph.cast import Member
+from ..morph.member import Member
 from .going import Going
 from .properties import Source
 from .walk import Walk

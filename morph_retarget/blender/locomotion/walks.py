@@ -17,7 +17,7 @@ from ...core.errors import MorphError
 from ...core.layering import Layer
 from .. import actions
 from ..morph import cast, keys
-from ..morph.cast import Member
+from ..morph.member import Member
 from ..properties import of_rig
 from ..sampling import STEPS_PER_YIELD, set_frame
 from . import going, standing

@@ -16,8 +16,8 @@ from ..locomotion import walks
 from ..locomotion.walks import Taken
 from ..templates import filled
 from . import cast, clip, deform_keys, events, jiggles, pose
-from .cast import Member
 from .clip import Clip
+from .member import Member
 
 
 @dataclass(frozen=True)

@@ -4,102 +4,24 @@ What is found here is kept by Blender's session-wide number of the object and dr
 definition or a rig is edited, and when another action is assigned.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 
 import bpy
-import numpy as np
 
 from ...core import play
-from ...core.character.character import Character
-from ...core.errors import MorphError, MotionError
-from ...core.locomotion.moving import Moving
-from ...core.morph.bind import Binding, GeneralizedAction, bind
-from ...core.morph.bodies import Bodies
-from ...core.morph.channels import TargetKind
-from ...core.play import Part
-from ...core.solve.limits import JointLimits
-from ...core.solve.settings import DEFAULT, SolverSettings
-from .. import actions, collect, joint_limits
+from ...core.errors import MotionError
+from ...core.morph.bind import bind
+from .. import actions, joint_limits
 from ..locomotion import standing
-from ..properties import BY_USER, of_rig
-from ..rig import Rig, armature_of, pose_of
-from . import definitions, keys, stretching
+from ..properties import of_rig
+from ..rig import pose_of
+from . import analyses, definitions, own_values, stretching
+from .member import Member
 from .properties import of_action
-from .values import MORPHRETARGET_PG_values
 
 problems: dict[int, str] = {}
 """Why an armature does not play its action, by session-wide number."""
 
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """One armature as it plays one action."""
-
-    rig: Rig
-    action: bpy.types.Action
-    definition: GeneralizedAction
-    character: Character
-    """What the armature is."""
-    binding: Binding
-    """How its bodies are posed."""
-    solver: SolverSettings = DEFAULT
-    limits: JointLimits | None = None
-    """Of its joints."""
-    fixed: frozenset[int] = frozenset()
-    """Bones that cannot move off their parents when others stretch."""
-    gait: Moving | None = None
-    """How it stands, if it goes over the ground: its gait has the same goals wherever it goes. None if it does not."""
-
-    @property
-    def bodies(self) -> Bodies:
-        """Its bodies."""
-        return self.binding.bodies
-
-    @cached_property
-    def names(self) -> dict[str, int]:
-        """Names of the channels, and which ones they are."""
-        return {channel.name: i for i, channel in enumerate(self.definition.channels)}
-
-    @cached_property
-    def external(self) -> dict[int, str]:
-        """Channels that have external targets, and their names."""
-        channels = self.definition.channels
-        return {i: c.name for i, c in enumerate(channels) if c.has_target and c.target is TargetKind.EXTERNAL}
-
-    @cached_property
-    def part(self) -> Part:
-        """What plays."""
-        return self._part(self.binding)
-
-    @cached_property
-    def free(self) -> Part:
-        """The same without what has targets, for others that follow this one's bodies."""
-        return self._part(self.binding.untargeted())
-
-    def _part(self, binding: Binding) -> Part:
-        lower = () if self.gait is None else self.gait.wanted
-        return play.prepare(self.character, binding, self.solver, self.limits, self.fixed, lower)
-
-    @property
-    def root(self) -> int:
-        """The body that carries all others."""
-        return play.root_of(self.bodies)
-
-    @property
-    def plays(self) -> bool:
-        """Whether anything poses it."""
-        return self.gait is not None or len(self.binding.entries) > 0
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What the user should know of the armature itself."""
-        return (*self.rig.warnings, *stretching.told(self.rig, self.part.pose.stiff))
-
-
-_analysed: dict[int, tuple[Rig, Character, Bodies]] = {}
-_rests: dict[int, tuple[object, object]] = {}
-"""What these were found from."""
 _members: dict[int, tuple[tuple[object, ...], Member]] = {}
 _limits: dict[int, bytes] = {}
 """What limited the joints of each member."""
@@ -127,32 +49,6 @@ def playing(scene: bpy.types.Scene, action: bpy.types.Action) -> list[bpy.types.
     return [ob for ob in performers(scene) if action_of(ob) == action]
 
 
-def analysed(ob: bpy.types.Object) -> tuple[Rig, Character, Bodies]:
-    """Return what an armature is; found once and kept.
-
-    Raises:
-        MorphError: It cannot be analysed.
-    """
-    known = _analysed.get(ob.session_uid)
-    if known is None:
-        own, character = collect.target_of(ob)
-        known = keep(ob, own, character, Bodies.of(character))
-    return known
-
-
-def keep(ob: bpy.types.Object, own: Rig, character: Character, bodies: Bodies) -> tuple[Rig, Character, Bodies]:
-    """Keep what an armature is, until it is edited."""
-    _rests[ob.session_uid] = _corrections(ob), _bones_of(ob)
-    known = _analysed[ob.session_uid] = (own, character, bodies)
-    return known
-
-
-def is_edited(ob: bpy.types.Object, bones: bool = True) -> bool:
-    """Return whether the user's corrections, and the bones, of an analysed armature have changed since."""
-    known = _rests.get(ob.session_uid)
-    return known is not None and (known[0] != _corrections(ob) or (bones and known[1] != _bones_of(ob)))
-
-
 def is_limited_anew(ob: bpy.types.Object) -> bool:
     """Return whether the joint limits of a member have been edited since."""
     known = _limits.get(ob.session_uid)
@@ -161,25 +57,6 @@ def is_limited_anew(ob: bpy.types.Object) -> bool:
 
 def _limits_of(ob: bpy.types.Object) -> bytes:
     return joint_limits.state(ob) if of_rig(ob).use_joint_limits else b""
-
-
-def _corrections(ob: bpy.types.Object) -> tuple[object, ...]:
-    own = of_rig(ob)
-    return own.up, own.forward, [(joint.name, joint.bone) for joint in own.joints if joint.by in BY_USER]
-
-
-def _bones_of(ob: bpy.types.Object) -> tuple[object, ...]:
-    bones = armature_of(ob).bones
-    parts: list[object] = [[(bone.name, bone.parent and bone.parent.name) for bone in bones]]
-    for name, width, kind in (("matrix_local", 16, np.float32), ("tail_local", 3, np.float32)):
-        values = np.empty(width * len(bones), dtype=kind)
-        bones.foreach_get(name, values)
-        parts.append(values.tobytes())
-    for name in ("use_deform", "use_inherit_rotation", "use_connect"):
-        flags = np.empty(len(bones), dtype=np.bool_)
-        bones.foreach_get(name, flags)
-        parts.append(flags.tobytes())
-    return tuple(parts)
 
 
 def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Member:
@@ -196,10 +73,10 @@ def member(ob: bpy.types.Object, action: bpy.types.Action | None = None) -> Memb
     known = _members.get(ob.session_uid)
     if known is not None and known[0] == state:
         return known[1]
-    rig, character, bodies = analysed(ob)
-    ensure_values(ob, action)
+    rig, character, bodies = analyses.of(ob)
+    own_values.ensure(ob, action)
     definition, unknown = definitions.read_known(action)
-    binding = bind(definition, bodies, own.variant, missing(ob, definition))
+    binding = bind(definition, bodies, own.variant, own_values.missing(ob, definition))
     if unknown:
         binding = replace(
             binding,
@@ -238,57 +115,16 @@ def is_stepping_anew(ob: bpy.types.Object) -> bool:
     return standing.of(known[1].character, known[1].root, own).wanted != before.wanted
 
 
-def missing(ob: bpy.types.Object, definition: GeneralizedAction) -> set[int]:
-    """Return the channels whose external target is not there on an armature."""
-    items = of_rig(ob).channels
-    external = [c.has_target and c.target is TargetKind.EXTERNAL for c in definition.channels]
-    return {i for i, c in enumerate(definition.channels) if external[i] and not has_target(items[c.name])}
-
-
-def has_target(values: MORPHRETARGET_PG_values) -> bool:
-    """Return whether a channel has an external target that exists."""
-    target = values.target
-    if target is None or target.name not in bpy.data.objects:
-        return False
-    if not values.target_bone:
-        return True
-    return target.type == "ARMATURE" and target.pose is not None and values.target_bone in target.pose.bones
-
-
-def ensure_values(ob: bpy.types.Object, action: bpy.types.Action) -> None:
-    """Give an armature a place for the values of each channel, and for those of the deforms that are keyed."""
-    own = of_rig(ob).channels
-    for item in of_action(action).channels:
-        if item.name and item.name not in own:  # one that is just being made has no name yet
-            own.add().name = item.name
-        for deform in keys.deforms_of(action, item.name):
-            if deform not in own[item.name].deforms:
-                own[item.name].deforms.add().name = deform
-
-
-def keep_overrides() -> None:
-    """Let what is overridden on armatures be saved.
-
-    Blender 5.2 compares an override with its original in the library when a file is saved, and writes what it cannot
-    read again where the original has none of our data at all. So the originals get some, for this session.
-    """
-    for ob in bpy.data.objects:
-        override = ob.override_library
-        if override is not None and ob.type == "ARMATURE" and isinstance(override.reference, bpy.types.Object):
-            original = of_rig(override.reference)
-            original.variant = original.variant
-
-
 def add(ob: bpy.types.Object, action: bpy.types.Action) -> None:
     """Let an armature play a generalized action, through the slot that all others share.
 
     Raises:
         MorphError: It cannot be analysed, or the action is linked and has no slot.
     """
-    if is_edited(ob):
+    if analyses.is_edited(ob):
         forget(ob, rig=True)
-    analysed(ob)
-    ensure_values(ob, action)
+    analyses.of(ob)
+    own_values.ensure(ob, action)
     slot = next((slot for slot in action.slots if slot.target_id_type in {"OBJECT", "UNSPECIFIED"}), None)
     if slot is None and action.library is not None:
         raise MotionError(f"action {action.name!r} is linked from a library where nobody plays it: make it local")
@@ -309,37 +145,6 @@ def remove(ob: bpy.types.Object) -> None:
     forget(ob)
 
 
-def tell(ob: bpy.types.Object) -> list[str]:
-    """Return what keeps an armature from playing all of its action, in words."""
-    problem = problems.get(ob.session_uid)
-    if problem is not None:
-        return [problem]
-    try:
-        own = member(ob)
-        stiff = stretching.told(own.rig, own.part.pose.stiff) if own.solver.allows_stretch else []
-        return [*own.binding.problems, *stiff, *_lost_limbs(ob), *_lost(ob)]
-    except MorphError as error:
-        return [str(error)]
-
-
-def _lost_limbs(ob: bpy.types.Object) -> list[str]:
-    """Return which limbs with solver settings a character has not, in words."""
-    lost = of_rig(ob).solver.lost(pose_of(ob).bones)
-    return [f"{name!r} has solver settings and is no bone of {ob.name!r}: remove these" for name in lost]
-
-
-def _lost(ob: bpy.types.Object) -> list[str]:
-    """Return which specialized curves of a character stand for channels that are gone, in words."""
-    action = action_of(ob)
-    known = of_action(action).channels if action is not None else {}
-    mine = [other for other in bpy.data.objects if other.type == "EMPTY" and of_rig(other).stands_for == ob]
-    return [
-        f"{empty.name!r} shows specialized curves of {of_rig(empty).stands_for_channel!r}, which is gone: delete it"
-        for empty in mine
-        if of_rig(empty).stands_for_channel not in known
-    ]
-
-
 def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:
     """Drop what is known about an armature, or about all; with ``rig`` what its bones were found to be as well."""
     if ob is None:
@@ -347,12 +152,10 @@ def forget(ob: bpy.types.Object | None = None, rig: bool = False) -> None:
         _limits.clear()
         problems.clear()
         if rig:
-            _analysed.clear()
-            _rests.clear()
+            analyses.forget()
         return
     _members.pop(ob.session_uid, None)
     _limits.pop(ob.session_uid, None)
     problems.pop(ob.session_uid, None)
     if rig:
-        _analysed.pop(ob.session_uid, None)
-        _rests.pop(ob.session_uid, None)
+        analyses.forget(ob)

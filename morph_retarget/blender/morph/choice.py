@@ -10,7 +10,7 @@ from ...core.morph.channels import TargetKind
 from ...core.morph.context import TIE
 from ...core.morph.variants import nearest
 from . import stage
-from .cast import Member
+from .member import Member
 
 
 def nearest_variant(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> int:

@@ -16,8 +16,8 @@ from ...core.morph.channels import TargetKind, Values
 from .. import actions
 from ..properties import of_rig
 from ..sampling import STEPS_PER_YIELD, set_frame
-from . import cast, keys, stage, targets
-from .cast import Member
+from . import keys, own_values, stage, targets
+from .member import Member
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ def _moving(member: Member, ob: bpy.types.Object) -> tuple[str, ...]:
     """Return what may move the external targets, as seen from a character."""
     items = of_rig(ob).channels
     wanted = [c for c in member.definition.channels if c.has_target and c.target is TargetKind.EXTERNAL]
-    given = [items[c.name] for c in wanted if cast.has_target(items[c.name])]
+    given = [items[c.name] for c in wanted if own_values.has_target(items[c.name])]
     if given and targets.moves(ob):
         return (f"movements of {ob.name!r} itself",)
     names = [item.target.name for item in given if targets.moves(item.target, item.target_bone)]

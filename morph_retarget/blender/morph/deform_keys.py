@@ -12,7 +12,7 @@ from ..actions import Writer
 from ..channels import Channel
 from ..rig import pose_bone
 from . import deforms
-from .cast import Member
+from .member import Member
 
 
 def channels_of(member: Member, played: Played) -> list[Channel]:

@@ -7,7 +7,7 @@ import bpy
 
 from ...core.play import Played
 from ..rig import pose_bone, pose_of
-from .cast import Member
+from .member import Member
 
 _Holder = bpy.types.PoseBone | bpy.types.Object | bpy.types.ShapeKey
 """What takes the value of a deform: one with a custom property of its name, or a shape key of that name."""

@@ -13,7 +13,7 @@ from ...core.morph import movement, specialize
 from ..locomotion import walks
 from ..properties import of_rig
 from . import cast, pose
-from .cast import Member
+from .member import Member
 from .properties import of_action
 from .shown import Shown
 

@@ -23,9 +23,9 @@ from ..locomotion import walks
 from ..locomotion.walks import Taken
 from ..properties import of_rig
 from ..sampling import moved_pose, seconds_per_frame
-from . import cast, clip, keys, stage, targets
-from .cast import Member
+from . import clip, keys, own_values, stage, targets
 from .clip import Clip
+from .member import Member
 from .stage import ToldTargets, ToldValues
 
 LEAST = 128
@@ -209,7 +209,7 @@ def _moving(member: Member) -> list[int]:
     return [
         i
         for i, item in given.items()
-        if cast.has_target(item) and (targets.moves(ob) or targets.moves(item.target, item.target_bone))
+        if own_values.has_target(item) and (targets.moves(ob) or targets.moves(item.target, item.target_bone))
     ]
 
 

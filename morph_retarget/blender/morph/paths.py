@@ -18,7 +18,7 @@ from ...core.morph.specialize import frames_of
 from ..locomotion import walks
 from ..properties import of_rig
 from . import keys, perform, query, stage
-from .cast import Member
+from .member import Member
 from .properties import of_action
 
 MOST = 600

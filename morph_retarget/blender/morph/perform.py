@@ -17,9 +17,22 @@ from ...core.play import Played
 from ..locomotion import walks
 from ..locomotion.walks import ToldWalk
 from ..properties import of_rig
-from . import autokey, cast, deforms, generalize, jiggles, keys, pose, remap, replay, specialized, stage
-from .cast import Member
+from . import (
+    analyses,
+    autokey,
+    cast,
+    deforms,
+    generalize,
+    jiggles,
+    keys,
+    pose,
+    remap,
+    replay,
+    specialized,
+    stage,
+)
 from .generalize import Held
+from .member import Member
 from .pose import Setting, Singles
 from .replay import Frame, Sight
 from .shown import Shown
@@ -98,7 +111,7 @@ def _follow_curves(found: list[bpy.types.Object], edited: Container[object]) -> 
         for empty in specialized.stand_ins(action):
             own = empty.animation_data.action if empty.animation_data else None
             if own in edited or action in edited:
-                with contextlib.suppress(MorphError):  # `cast.tell` tells of it
+                with contextlib.suppress(MorphError):  # `telling.tell` tells of it
                     specialized.follow(empty)
 
 
@@ -171,7 +184,7 @@ def _drop_edited(ob: bpy.types.Object, changed: Container[object]) -> None:
     bones = ob.data in changed
     if not (bones or ob in changed):
         return
-    if cast.is_edited(ob, bones):
+    if analyses.is_edited(ob, bones):
         cast.forget(ob, rig=True)
         forget(ob)
     elif cast.is_limited_anew(ob):

@@ -12,8 +12,8 @@ from ...core.errors import MorphError, RigError
 from ...core.morph.context import Context, select
 from ..properties import of_rig
 from ..rig import armature_of, pose_of
-from . import cast
-from .cast import Member
+from . import analyses, cast
+from .member import Member
 from .properties import MORPHRETARGET_PG_channel, of_action
 
 
@@ -23,7 +23,7 @@ def bodies_of(ob: bpy.types.Object, context: Context) -> list[str]:
     Raises:
         MorphError: The armature cannot be analysed.
     """
-    _, _, bodies = cast.analysed(ob)
+    _, _, bodies = analyses.of(ob)
     return [bodies.names[body] for body in select(context, bodies)]
 
 

@@ -26,8 +26,8 @@ from ...core.play import Part
 from ..actions import CurveMap
 from ..properties import of_rig
 from ..rig import scene_of
-from . import autokey, cast, definitions, keys, targets, tracks
-from .cast import Member
+from . import autokey, cast, definitions, keys, own_values, targets, tracks
+from .member import Member
 from .properties import MORPHRETARGET_PG_channel, of_action
 from .tracks import Change
 
@@ -68,12 +68,14 @@ class Space:
         items = of_rig(self.ob).channels
         if channel.target is TargetKind.EXTERNAL:
             item = items[channel.name]
-            return targets.over(self.member, item, scene_of(), times) if cast.has_target(item) else None
+            return targets.over(self.member, item, scene_of(), times) if own_values.has_target(item) else None
         if channel not in self.known:
             definition = self.member.definition
             others = tuple(channel if c.name == channel.name else c for c in definition.channels)
             definition = replace(definition, channels=others)
-            binding = bind(definition, self.member.bodies, of_rig(self.ob).variant, cast.missing(self.ob, definition))
+            binding = bind(
+                definition, self.member.bodies, of_rig(self.ob).variant, own_values.missing(self.ob, definition)
+            )
             own = self.member
             first = play.prepare(own.character, binding.without_followers(), own.solver, own.limits, own.fixed)
             self.known[channel] = (first, binding.target_of(channel, self.body))

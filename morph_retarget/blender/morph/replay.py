@@ -12,7 +12,7 @@ from typing import Any
 import bpy
 
 from ...core.play import Played
-from .cast import Member
+from .member import Member
 from .pose import Setting, Singles
 from .stage import ToldTargets
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 
 from ...core.play import Played
-from .cast import Member
 from .deforms import Given
+from .member import Member
 from .pose import Singles
 from .stage import ToldTargets
 

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from operator import attrgetter
+from typing import Any
 
 import bpy
 import numpy as np
@@ -16,8 +18,8 @@ from ..actions import CurveMap
 from ..locomotion import walks
 from ..properties import of_rig
 from ..rig import pose_of
-from . import cast, keys
-from .cast import Member
+from . import cast, keys, own_values
+from .member import Member
 from .pose import Singles
 from .values import MORPHRETARGET_PG_values
 
@@ -93,8 +95,13 @@ def told_values(member: Member, ob: bpy.types.Object) -> ToldValues:
     items.foreach_get("position", numbers[: count * 3])
     items.foreach_get("rotation", numbers[count * 3 : count * 7])
     items.foreach_get("weight", numbers[count * 7 :])
-    deforms = [(item.name, deform.name, deform.value) for item in items for deform in item.deforms]
-    return ToldValues(rows, numbers, tuple([(names[c], name, value) for c, name, value in deforms if c in names]))
+    # Most have none, and of those Blender is asked as little as can be.
+    some: list[tuple[int, Any]] = [(i, deforms) for i, deforms in enumerate(map(_deforms_of, items)) if deforms]
+    named = [(items[i].name, deform.name, deform.value) for i, deforms in some for deform in deforms]
+    return ToldValues(rows, numbers, tuple([(names[c], name, value) for c, name, value in named if c in names]))
+
+
+_deforms_of = attrgetter("deforms")
 
 
 @lru_cache(maxsize=64)
@@ -107,16 +114,11 @@ def _rows_of(wanted: tuple[str, ...], there: tuple[str, ...]) -> tuple[int, ...]
 def told_targets(member: Member, ob: bpy.types.Object, graph: bpy.types.Depsgraph) -> ToldTargets:
     """Return where the external targets of a character are."""
     world: list[tuple[int, tuple[float, ...]]] = []
-    places: dict[tuple[bpy.types.Object | None, str], tuple[float, ...] | None] = {}
     items = of_rig(ob).channels
-    for i, name in member.external.items():
-        item = items[name]
-        key = (item.target, item.target_bone)
-        if key not in places:
-            places[key] = _told_place(item, graph)
-        place = places[key]
+    for name, channels in member.aims:
+        place = _told_place(items[name], graph)
         if place is not None:
-            world.append((i, place))
+            world += [(i, place) for i in channels]
     if not world:
         return ToldTargets(member, (), ())
     matrix = ob.evaluated_get(graph).matrix_world
@@ -130,7 +132,7 @@ def _told_place(item: MORPHRETARGET_PG_values, graph: bpy.types.Depsgraph) -> tu
         return None
     if not item.target_bone and (seen := _evaluated(target, graph)) is not None:
         return seen.matrix_world.translation.to_tuple()
-    return tuple(place_of(target, item.target_bone, graph).tolist()) if cast.has_target(item) else None
+    return tuple(place_of(target, item.target_bone, graph).tolist()) if own_values.has_target(item) else None
 
 
 def values_of(member: Member, ob: bpy.types.Object) -> Values:

@@ -18,7 +18,7 @@ from ..properties import of_rig
 from ..rig import pose_of
 from ..sampling import set_frame
 from . import stage
-from .cast import Member
+from .member import Member
 from .values import MORPHRETARGET_PG_values
 
 _TRANSFORMS = {f"{prefix}{name}" for prefix in ("", "delta_") for name in ("location", "scale", *ROTATIONS)}

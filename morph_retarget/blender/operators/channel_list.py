@@ -8,7 +8,7 @@ from bpy.props import EnumProperty, StringProperty
 from ...core.character.morphology import Capability
 from ...core.errors import MotionError
 from ...core.morph.context import Context
-from ..morph import cast, definitions, keys, perform, tracks
+from ..morph import cast, definitions, keys, own_values, perform, tracks
 from ..morph.properties import MORPHRETARGET_PG_context, of_action, unlike
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
@@ -106,7 +106,7 @@ class MORPHRETARGET_OT_duplicate_channel(_OnChannel):
         own.channels.move(len(own.channels) - 1, place + 1)
         own.active_channel = place + 1
         for ob in cast.playing(scene_in(context), action):
-            cast.ensure_values(ob, action)
+            own_values.ensure(ob, action)
             _copy_values(of_rig(ob).channels[wanted.name], of_rig(ob).channels[name])
         _copy_keys(action, wanted.name, name)
         perform.definition_changed(action)
@@ -180,7 +180,7 @@ class MORPHRETARGET_OT_add_deform(_OnChannel):
         if not self.name:
             raise MotionError("a deform needs a name: that of a shape key or custom property, such as open")
         for ob in cast.playing(scene_in(context), action):
-            cast.ensure_values(ob, action)
+            own_values.ensure(ob, action)
             deforms = of_rig(ob).channels[name].deforms
             if self.name not in deforms:
                 deforms.add().name = self.name

@@ -12,7 +12,7 @@ from ..directing import known, marking
 from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_directing
 from ..locomotion import standing
 from ..locomotion.properties import Source
-from ..morph import cast, query
+from ..morph import analyses, cast, query
 from ..properties import of_rig
 from .generalized import characters_meant, performer_meant
 from .locomotion import give_empty_action
@@ -70,7 +70,7 @@ class MORPHRETARGET_OT_direct(bpy.types.Operator):
         found = characters_meant(context, self.character)
         for ob in found:
             directing_of(ob)
-            _, character, bodies = cast.analysed(ob)
+            _, character, bodies = analyses.of(ob)
             standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
         give_empty_action(found, NAME)
         for ob in found:

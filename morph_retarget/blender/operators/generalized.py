@@ -12,7 +12,7 @@ from ...core.morph.channels import Channel
 from ...core.morph.context import Context
 from ...core.morph.movement import Movement, ScaleMode
 from .. import collect
-from ..morph import cast, definitions, jiggles, perform, query
+from ..morph import analyses, cast, definitions, jiggles, own_values, perform, query
 from ..morph.properties import of_action
 from ..properties import of_rig
 from ..rig import scene_of
@@ -94,7 +94,7 @@ def let_play(characters: Sequence[bpy.types.Object], action: bpy.types.Action) -
         MorphError: One of them cannot be analysed.
     """
     for ob in characters:
-        cast.analysed(ob)
+        analyses.of(ob)
     scene = scene_of()
     for ob in characters:
         jiggles.welcome(ob)
@@ -116,7 +116,7 @@ def add_channel(context: bpy.types.Context, action: bpy.types.Action, wanted: Ch
     """Give an action a channel, and all who play it a place for its values."""
     definitions.add(action, wanted)
     for ob in cast.playing(scene_in(context), action):
-        cast.ensure_values(ob, action)
+        own_values.ensure(ob, action)
 
 
 class MORPHRETARGET_OT_new_action(bpy.types.Operator):
@@ -240,7 +240,7 @@ class MORPHRETARGET_OT_play_movement(bpy.types.Operator):
         told: list[str] = []
         chosen: list[tuple[bpy.types.Object, bpy.types.Action]] = []
         for ob in characters_meant(context, self.character):
-            _, _, bodies = cast.analysed(ob)
+            _, _, bodies = analyses.of(ob)
             choice = branch.choose([definitions.read(action).branch for action in found], bodies)
             if choice is not None:
                 chosen.append((ob, found[choice]))

@@ -14,7 +14,7 @@ from ...core.directing.building import Builder, Taken
 from ...core.directing.performing import model_of
 from ...core.errors import FileError, MotionError, RigError, listed
 from ..directing import clips, libraries
-from ..morph import cast
+from ..morph import analyses
 from ..properties import of_rig
 from .directing import directing_of
 from .generalized import selected
@@ -45,7 +45,7 @@ class MORPHRETARGET_OT_build_library(Stepping, OfArmature, bpy.types.Operator):
     def start(self, context: bpy.types.Context) -> Generator[float, None, tuple[bpy.types.Object, Path, list[Taken]]]:
         ob = armature_meant(context, self.character)
         own = directing_of(ob)
-        _, character, _ = cast.analysed(ob)
+        _, character, _ = analyses.of(ob)
         kept = own.library_path if self.add else None
         path = _free_file(ob, self.filepath) if kept is None else kept
         obs = [ob, *(other for other in selected(context) if other != ob)]
@@ -132,7 +132,7 @@ class MORPHRETARGET_OT_save_library(OfArmature, bpy.types.Operator, ExportHelper
     def execute(self, context: bpy.types.Context) -> Status:
         ob, path = armature_meant(context, self.character), Path(self.properties.filepath)
         own = of_rig(ob).directing.library_path
-        _, character, _ = cast.analysed(ob)
+        _, character, _ = analyses.of(ob)
         library = starter.starter(character) if own is None else library_file.load(own)
         library_file.save(library, path)
         self.report({"INFO"}, f"Wrote {len(library)} motions to {path.name}")

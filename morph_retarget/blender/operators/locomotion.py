@@ -9,7 +9,7 @@ from ...core import play
 from ...core.errors import RigError, listed
 from ..locomotion import foot_path, going, standing
 from ..locomotion.properties import KEYED, STYLE_ITEMS, MORPHRETARGET_PG_gait
-from ..morph import cast, definitions, perform
+from ..morph import analyses, cast, definitions, perform
 from ..properties import of_rig
 from .generalized import characters_meant, let_play, performer_meant
 from .manners import (
@@ -62,7 +62,7 @@ class MORPHRETARGET_OT_add_locomotion(bpy.types.Operator):
     def execute(self, context: bpy.types.Context) -> Status:
         found = characters_meant(context, self.character)
         for ob in found:
-            _, character, bodies = cast.analysed(ob)
+            _, character, bodies = analyses.of(ob)
             standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
         give_empty_action(found, NAME)
         for ob in found:

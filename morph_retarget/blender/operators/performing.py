@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from ...core.errors import MotionError
 from ...core.morph.capture import CaptureSettings
 from .. import collect
-from ..morph import bake, capture, cast, channel_presets, query
+from ..morph import bake, capture, cast, channel_presets, query, telling
 from ..rig import armature_of
 from .generalized import any_performer, performer_meant
 from .manners import Status, refuse, scene_in
@@ -45,7 +45,7 @@ class MORPHRETARGET_OT_bake_action(Stepping, bpy.types.Operator):
         playing = [ob for ob in found if cast.member(ob).plays]
         for ob in found:
             if ob not in playing:
-                problems = "; ".join(cast.tell(ob)) or "it has no channels for it"
+                problems = "; ".join(telling.tell(ob)) or "it has no channels for it"
                 if len(playing) == 0:
                     raise MotionError(f"nothing of the action plays on {ob.name!r}: {problems}")
                 self.report({"WARNING"}, f"{ob.name}: left out: {problems}")

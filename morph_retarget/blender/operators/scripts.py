@@ -9,7 +9,7 @@ from bpy_extras.io_utils import ExportHelper, ImportHelper
 from ...core.clips.commands import script
 from ...core.errors import FileError, RigError, listed
 from ..directing import scripts
-from ..morph import cast
+from ..morph import analyses
 from ..sampling import seconds_per_frame
 from .directing import directing_of
 from .manners import OfArmature, Status, armature_meant, reporting, scene_in
@@ -32,7 +32,7 @@ class MORPHRETARGET_OT_import_commands(OfArmature, bpy.types.Operator, ImportHel
         own, rate = directing_of(ob), 1.0 / seconds_per_frame(scene)
         path = Path(self.properties.filepath)
         found = scripts.parse(_text(self.text), self.text, rate) if self.text else scripts.load(path, rate)
-        _, character, _ = cast.analysed(ob)
+        _, character, _ = analyses.of(ob)
         if self.replace:
             own.clear()
         for warning in scripts.bring_in(ob, character, found, scene, None if self.text else path.parent):
@@ -54,7 +54,7 @@ class MORPHRETARGET_OT_export_commands(OfArmature, bpy.types.Operator, ExportHel
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         ob = armature_meant(context, self.character)
-        _, character, _ = cast.analysed(ob)
+        _, character, _ = analyses.of(ob)
         found = scripts.taken_out(ob, character, scene_in(context))
         if not found.commands:
             raise RigError(f"{ob.name!r} has no commands to write: add some first")

@@ -9,7 +9,7 @@ import bpy
 
 from ...core.character.morphology import Capability
 from .. import presets
-from ..morph import cast, channel_presets, query
+from ..morph import cast, channel_presets, query, telling
 from ..morph.properties import MORPHRETARGET_PG_channel, of_action
 from ..operators.generalized import generalized_actions
 from ..properties import of_rig, of_scene
@@ -185,7 +185,7 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
             _draw_variant(row, ob)
             row.prop(of_rig(ob), "muted", text="", icon="HIDE_ON" if of_rig(ob).muted else "HIDE_OFF", emboss=False)
             row.operator("morph_retarget.remove_character", text="", icon="X", emboss=False).character = ob.name
-            wrong = cast.tell(ob) if query.is_ready(ob) else []
+            wrong = telling.tell(ob) if query.is_ready(ob) else []
             row.label(text="", icon="ERROR" if ob != active and wrong else "BLANK1")
             for text in wrong if ob == active else ():
                 say(box, text, "ERROR", context)

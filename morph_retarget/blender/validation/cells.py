@@ -20,8 +20,9 @@ from ...core.verdicts.played import performance_of
 from .. import actions, retarget, rig
 from ..locomotion import going
 from ..locomotion.properties import Source
-from ..morph import bake, cast, choice, clip, definitions, keys
+from ..morph import analyses, bake, cast, choice, clip, definitions, keys
 from ..morph.bake import Take
+from ..morph.member import Member
 from ..morph.properties import of_action
 from ..properties import of_rig
 from ..sampling import seconds_per_frame
@@ -99,7 +100,7 @@ def _branch_for(ob: bpy.types.Object, action: bpy.types.Action, among: Sequence[
     """Return what a character plays of the movement that an action is a branch of: the first branch that is for it."""
     movement = of_action(action).movement
     found = sorted((other for other in among if movement and of_action(other).movement == movement), key=_name)
-    place = branch.choose([definitions.read(other).branch for other in found], cast.analysed(ob)[2])
+    place = branch.choose([definitions.read(other).branch for other in found], analyses.of(ob)[2])
     return action if place is None else found[place]
 
 
@@ -120,7 +121,7 @@ def _taken(ob: bpy.types.Object, action: bpy.types.Action, options: Options) -> 
     return retarget.run(bake.take(ob, rig.scene_of(), bake.Options(frames, rate=options.rate)))
 
 
-def _varies_by_target(member: cast.Member) -> bool:
+def _varies_by_target(member: Member) -> bool:
     channels = member.definition.channels
     aimed = any(channels[e.channel].has_target for e in member.binding.entries if e.position or e.rotation)
     return aimed and len(member.binding.variants) > 1

@@ -4,8 +4,8 @@ import bpy
 
 from ...core.morph.within_reach import within_reach
 from .. import rig
-from ..morph import cast, stage
-from ..morph.cast import Member
+from ..morph import cast, own_values, stage
+from ..morph.member import Member
 from ..properties import of_rig
 
 NAME = "Within Reach"
@@ -13,7 +13,7 @@ NAME = "Within Reach"
 
 def give(member: Member) -> bool:
     """Give the channels of a character that lack an external target one; return whether any did."""
-    ob, lacking = member.rig.object, cast.missing(member.rig.object, member.definition)
+    ob, lacking = member.rig.object, own_values.missing(member.rig.object, member.definition)
     if not lacking:
         return False
     made = bpy.data.objects.new(NAME, None)

@@ -45,9 +45,9 @@ class Family:
     """… and that none has."""
 
     @property
-    def text(self) -> str:
-        """The preset as a file."""
-        return _path(self.name).read_text(encoding="utf-8")
+    def path(self) -> Path:
+        """Its file: a joint map as any other."""
+        return FOLDER / f"{self.name}.json"
 
 
 @dataclass(frozen=True)
@@ -130,10 +130,6 @@ def _prefixes(family: Family, own: BoneNames) -> list[str]:
 
 def _swapped(family: Family, bone: str, prefix: str) -> str:
     return bone if family.prefix is None else prefix + bone.removeprefix(family.prefix)
-
-
-def _path(name: str) -> Path:
-    return FOLDER / f"{name}.json"
 
 
 def _read(path: Path) -> Family:

@@ -23,7 +23,7 @@ LYING_SHAPE = 3.0
 """The same for a rig that only looks like a body when it is not upright in the world."""
 BLIND_TRUST = 0.15
 LEANING = 0.85
-"""Cosine of the angle between the axis from side to side and the user's up axis, from which on it cannot be that one."""
+"""Cosine of the angle to the user's up axis from which on an axis cannot be that from side to side."""
 FULLY_NAMED = 12
 """So many joints must have been found by name for a rig to be judged by its names alone."""
 
