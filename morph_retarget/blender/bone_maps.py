@@ -34,6 +34,18 @@ def load(path: Path) -> BoneMap:
     return reading.read(text, str(path))
 
 
+def file_of(name: str, folder: Path | None = None) -> Path:
+    """Return the file that holds a map: of that name, or else of the preset that is called so.
+
+    Args:
+        name: What the user has named.
+        folder: Where names of files begin; where the program runs when None.
+    """
+    path = (folder or Path()) / name
+    known = {family.name.casefold(): family.path for family in families.shipped()}
+    return path if path.exists() else known.get(name.casefold(), path)
+
+
 def find(name: str) -> BoneMap | Family:
     """Return the map that a file holds, or the preset of that name where there is no such file.
 
@@ -41,9 +53,8 @@ def find(name: str) -> BoneMap | Family:
         FileError: The file cannot be read.
         MappingError: It is no bone map.
     """
-    path = Path(name)
-    known = {family.name.casefold(): family for family in families.shipped()}
-    return load(path) if path.exists() else known.get(path.name.casefold()) or load(path)
+    path = file_of(name)
+    return families.named(path.stem) if path.parent == families.FOLDER else load(path)
 
 
 def place(

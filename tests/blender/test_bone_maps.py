@@ -8,6 +8,7 @@ import bpy
 import pytest
 
 from morph_retarget.blender import bone_maps
+from morph_retarget.blender.batch import jobs_file
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.character import families
@@ -18,6 +19,7 @@ from tests.blender.files import Files
 from tools.figure import blender, vrm
 
 ops = bpy.ops.morph_retarget
+PRESETS = {"map": "Unity Humanoid", "source-map": "VRM"}
 ARM = ("UpperArm", "LowerArm", "Hand")
 
 
@@ -171,10 +173,24 @@ def test_presets_can_be_named_where_maps_are_read(cli: Command, files: Files, tm
     assert {entry["by"] for entry in json.loads(said.out)["joints"].values()} == {"user"}
     assert "named as VRM" in cli("map", files.clip("blend")).out
     path = tmp_path / "mixamo.json"
-    path.write_text(families.named("Mixamo").text, encoding="utf-8")
+    path.write_text(families.named("Mixamo").path.read_text(encoding="utf-8"), encoding="utf-8")
     said = cli("map", files.clip("blend"), "--map", path)
     assert said.status == 2
     assert "joint hips is mapped to bone 'mixamorig:Hips'" in said.errors[0]
+
+
+def test_jobs_name_presets_as_well(files: Files, tmp_path: Path) -> None:
+    jobs = tmp_path / "jobs.toml"
+    job = (
+        f'[[job]]\nsource = "{files.clip()}"\ntarget = "{files.sprout}"\nmap = "Unity Humanoid"\nsource-map = "{{}}"\n'
+    )
+    jobs.write_text(job.format("vrm"), encoding="utf-8")
+    (wish,) = jobs_file.read(jobs)
+    assert wish.options == {key: str(families.named(name).path) for key, name in PRESETS.items()}
+    assert bone_maps.find(wish.options["map"]) == families.named("Unity Humanoid")
+    jobs.write_text(job.format("VRN"), encoding="utf-8")
+    (refused,) = jobs_file.read(jobs)
+    assert f"{tmp_path / 'VRN'}: no such file: check the path" in str(refused)
 
 
 @pytest.mark.parametrize(

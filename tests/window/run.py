@@ -16,10 +16,10 @@ from pathlib import Path
 import bpy
 
 ROOT = Path(__file__).resolve().parents[2]
-PATHS = ("retargeting", "authoring", "baking", "languages")
+PATHS = ("retargeting", "following", "authoring", "baking", "languages")
 PAUSE = 0.12
 """Between two steps, for the window to answer [s]."""
-LIMIT = 240.0
+LIMIT = 300.0
 """Longer than this no run may take, on however slow a machine [s]."""
 
 

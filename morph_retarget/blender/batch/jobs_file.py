@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import FileError, MorphError, listed
+from .. import bone_maps
 from .jobs import FILES, Refused, Wish, check_options, usual_options
 
 _OWN = ("source", "target", "out")
@@ -145,7 +146,7 @@ def _wish(job: Mapping[str, Any], defaults: Mapping[str, Any], number: int, line
     options = _told({key: value for key, value in both.items() if key not in _OWN})
     for key in FILES:
         if key in options:
-            options[key] = str(base / str(options[key]))
+            options[key] = str(bone_maps.file_of(str(options[key]), base))
             if not Path(str(options[key])).is_file():
                 raise FileError(f"{lines.of(key, number)}: {options[key]}: no such file: check the path")
     return Wish(

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import FileError, MorphError
-from .. import version
+from .. import bone_maps, version
 from ..batch import files, gates, jobs_file, junit, ledger, plan, recording, summary, worker
 from ..batch.jobs import FILES, Item, Job, Refused, Wish, usual_options
 from ..batch.pool import Settings
@@ -198,7 +198,7 @@ def _options(arguments: argparse.Namespace) -> dict[str, str | bool]:
         if value == usual:
             continue
         if name in FILES:
-            value = Path(value).absolute()
+            value = bone_maps.file_of(value).absolute()
             if not value.is_file():
                 raise FileError(f"{value}: no such file: check the path")
         pair = isinstance(value, tuple)

@@ -77,6 +77,8 @@ def keys_of(ob: bpy.types.Object, name: str) -> list[bpy.types.ShapeKey]:
 
 
 def _keys_of(ob: bpy.types.Object) -> list[bpy.types.Key]:
-    """Return the shape keys of the meshes that hang on an armature; Blender looks through all objects for these."""
+    """Return the shape keys of the meshes that hang on an armature."""
+    if not bpy.data.shape_keys:  # Blender looks through all objects for children, and this is asked at each frame
+        return []
     meshes = [child.data for child in ob.children if isinstance(child.data, bpy.types.Mesh)]
     return [mesh.shape_keys for mesh in meshes if mesh.shape_keys is not None]
