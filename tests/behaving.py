@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 
 import numpy as np
 
@@ -133,11 +133,13 @@ def reset(time: float, model: str) -> Command:
     return Command(time, Verb.RESET, model)
 
 
+@cache
 def figure(build: Build | None = None) -> Subject:
     """Return a humanoid with five fingers to a hand, in a T-pose unless told otherwise."""
     return Subject(analyze(skeleton_of(humanoid(build=build or Build(fingers=5)), np.random.default_rng(0))))
 
 
+@cache
 def creature(name: str) -> Subject:
     """Return one of the sample characters."""
     return Subject(analyze(skeleton_of(CREATURES[name](), np.random.default_rng(0))))

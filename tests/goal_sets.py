@@ -6,7 +6,7 @@ be met together. The pose itself is one of many that meet them: only the goals c
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -340,6 +340,7 @@ def at_the_joint(subject: Subject) -> Goals:
 # --- characters ---
 
 
+@cache
 def creatures() -> Mapping[str, Character]:
     """Return the sample characters, with axes that mean nothing."""
     return {name: analyze(skeleton_of(make(), np.random.default_rng(7))) for name, make in CREATURES.items()}
@@ -347,4 +348,14 @@ def creatures() -> Mapping[str, Character]:
 
 def real(data: Path, names: Sequence[str]) -> Mapping[str, Character]:
     """Return some of the real rigs."""
-    return {str(t["id"]): truth.find(truth.rig(data, t)) for t in truth.tables(data) if t["id"] in names}
+    return {str(t["id"]): _real(data, i) for i, t in enumerate(_tables(data)) if t["id"] in names}
+
+
+@cache
+def _tables(data: Path) -> tuple[truth.Table, ...]:
+    return tuple(truth.tables(data))
+
+
+@cache
+def _real(data: Path, place: int) -> Character:
+    return truth.find(truth.rig(data, _tables(data)[place]))

@@ -33,6 +33,8 @@ def _best(name: str) -> str | None:
         ("lfemur", "UpperLeg", 1),
         ("b_RightFoot_042", "Foot", -1),
         ("RToe", "Toes", -1),
+        ("DEF-r_toe.L", "Toes", 1),
+        ("DEF-r_toe.R", "Toes", -1),
     ],
 )
 def test_limbs_are_read_in_many_conventions(name: str, joint: str, side: int) -> None:

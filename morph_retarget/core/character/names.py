@@ -128,6 +128,9 @@ def _drop_running_number(split: list[list[str]]) -> list[list[str]]:
 def _reading(words: list[str]) -> Reading:
     senses: set[Sense] = set()
     side = 0
+    if words and words[-1] in _SIDE_LETTERS:
+        # Letters before that are part of some other code: "r_toe.L" is a rear one on the left.
+        words = [*(word for word in words[:-1] if word not in _SIDE_LETTERS), words[-1]]
     for word in words:
         found = SENSES.get(word, ())
         if word in _SIDE_LETTERS:
