@@ -108,10 +108,26 @@ def _keyed(plan: Plan, source: SourceMotion, meant: Array, motion: Motion) -> Re
         )
     bones, basis = twist.share(plan.target, plan.links, plan.transfer, kept.turns, _basis(plan, source, meant, kept))
     loose = np.flatnonzero(plan.transfer.carrier == NONE)
-    moved = plan.links.target[loose]
+    own = plan.links.target[loose]
     places = plan.target.local_to_character.inverse().points(kept.points[:, loose])
-    shifts = places - plan.target.skeleton.rest_positions[moved]
+    shifts = places - plan.target.skeleton.rest_positions[own]
+    moved = np.array([own[0], *(_mover(plan, int(bone)) for bone in own[1:])], dtype=np.intp)
     return Result(bones, basis, moved, shifts, kind, travel, source, motion)
+
+
+def _mover(plan: Plan, bone: int) -> int:
+    """Return the bone that moves in place of one that hangs on none of the links: the topmost that carries no other.
+
+    Feet of baked inverse kinematics may hang on bones of their own, which have skin as well.
+    """
+    tree, linked = plan.target.skeleton.tree, [int(other) for other in plan.links.target]
+    others = [other for other in linked if other != bone and not tree.is_below(bone, other)]
+    top = bone
+    for above in tree.ancestors[bone]:
+        if above in others or any(tree.is_below(above, other) for other in others):
+            break
+        top = above
+    return top
 
 
 def _basis(plan: Plan, source: SourceMotion, meant: Array, motion: Motion) -> Array:

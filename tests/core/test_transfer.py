@@ -54,6 +54,24 @@ def test_a_rig_given_its_own_motion_moves_as_before() -> None:
     assert quat.angle_between(again.rotations, pose.rotations).max() < 1e-6
 
 
+def test_feet_that_hang_on_bones_of_their_own_go_along_with_these() -> None:
+    bones = humanoid(build=Build(fingers=2, root=True))
+    feet = {bone.name: bone for bone in bones if bone.name in ("leftFoot", "rightFoot")}
+    apart = [Bone(f"ik {name}", None, foot.head, foot.tail) for name, foot in feet.items()]
+    bones = [replace(bone, parent=f"ik {bone.name}") if bone.name in feet else bone for bone in (*apart, *bones)]
+    target = analyze(skeleton_of(bones, np.random.default_rng(7)))
+    source = _figure(8)
+    for settings in (FREE, RetargetSettings()):
+        pose = _given(source, target, wild(source.skeleton, 40, np.random.default_rng(9)), settings)
+        index = target.skeleton.index
+        for name in feet:
+            knee = index[name.replace("Foot", "LowerLeg")]
+            shin = np.linalg.norm(pose.positions[:, index[name]] - pose.positions[:, knee], axis=-1)
+            assert np.ptp(shin) < 1e-6, "the foot stays at its leg"
+            gap = np.linalg.norm(pose.positions[:, index[name]] - pose.positions[:, index[f"ik {name}"]], axis=-1)
+            assert gap.max() < 1e-6, "and what it hangs on, at the foot"
+
+
 def test_from_a_to_b_and_back_is_the_same_motion() -> None:
     a, b = _figure(3), _figure(4, height=1.2, proportions=CHIBI, build=Build(fingers=2, arms_down=40.0))
     pose = wild(a.skeleton, 40, np.random.default_rng(5))
