@@ -31,6 +31,14 @@ def _human(scale: float = 1.0) -> Character:
     return analyze(skeleton_of(moved([*humanoid(), *eyes], np.diag([scale, scale, scale, 1.0]))))
 
 
+@cache
+def _two_eyed() -> Character:
+    eyes = [
+        Bone(f"{side}Eye", "head", (x, -0.08, 1.62), (x, -0.1, 1.62)) for side, x in (("left", 0.03), ("right", -0.03))
+    ]
+    return analyze(skeleton_of([*humanoid(), *eyes]))
+
+
 def _bone(character: Character, name: str) -> int:
     return character.skeleton.index[name]
 
@@ -113,6 +121,25 @@ def test_a_spine_need_not_fold_for_a_goal_before_its_nose() -> None:
         asked = replace(near, places=np.broadcast_to(start + share * way, (FRAMES, 3)))
         left = goals.missed(replace(performance, aims=(asked,))).value
         assert left == pytest.approx(1.0 - max(share, 0.7), abs=0.02)
+
+
+def test_what_hangs_on_one_joint_shall_come_to_its_goals_together() -> None:
+    performance = _performance(character=_two_eyed())
+    joints = tuple(_bone(performance.character, name) for name in ("neck", "head"))
+    eyes = [_bone(performance.character, name) for name in ("leftEye", "rightEye")]
+
+    def missed(*shifts: Array) -> float:
+        places = [
+            np.broadcast_to(performance.rest[eye] + by, (FRAMES, 3)) for eye, by in zip(eyes, shifts, strict=True)
+        ]
+        aims = tuple(Aim(eye, own, np.ones(FRAMES), joints) for eye, own in zip(eyes, places, strict=True))
+        return goals.missed(replace(performance, aims=aims)).value
+
+    down = np.array([0.0, 0.02, -0.05])
+    assert missed(np.array([-0.03, 0.0, 0.0]), np.array([0.03, 0.0, 0.0])) < 1e-9, (
+        "both to one place: the middle counts"
+    )
+    assert missed(down, down) > DEFAULT.goals
 
 
 def test_a_goal_that_counts_in_part_is_not_judged() -> None:
