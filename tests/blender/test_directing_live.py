@@ -95,6 +95,15 @@ def test_an_edit_of_what_it_is_told_is_followed_at_once_and_taken_back(
     assert _apart(pose(), after) < NEAR
 
 
+def test_a_character_that_is_scaled_to_nothing_stays_and_why_is_told() -> None:
+    ob = _directed()
+    ob.scale = (0.0, 0.0, 0.0)
+    bpy.context.view_layer.update()
+    assert "scale of 0" in (walks.problems | cast.problems)[ob.session_uid]
+    ob.scale = (1.0, 1.0, 1.0)
+    assert np.isfinite(_pose(ob)).all()
+
+
 def test_a_marker_that_is_dragged_moves_its_command() -> None:
     ob = _directed()
     _own(ob).clear()

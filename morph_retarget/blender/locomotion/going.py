@@ -111,8 +111,15 @@ class Going:
 
     @cached_property
     def from_world(self) -> Array:
-        """Leads from the world to the ground frame, shape (4, 4)."""
-        return np.linalg.inv(self.stands).astype(np.float64)
+        """Leads from the world to the ground frame, shape (4, 4).
+
+        Raises:
+            MotionError: The character has no extent.
+        """
+        try:
+            return np.linalg.inv(self.stands).astype(np.float64)
+        except np.linalg.LinAlgError:
+            raise MotionError("its object, or what that hangs on, has a scale of 0: give it another") from None
 
     def course(self) -> Course:
         """Return the course.
