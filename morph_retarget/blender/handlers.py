@@ -5,7 +5,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from . import live, migrations
+from . import live, migrations, present
 from .controls import evaluating
 from .morph import cast, events, own_values, perform
 
@@ -13,24 +13,33 @@ from .morph import cast, events, own_values, perform
 @persistent
 def _before_frame(scene: bpy.types.Scene, *_: object) -> None:
     if scene.session_uid not in evaluating.stages:
-        perform.foresee(scene)
+        perform.foresee(scene, present.armatures(scene))
 
 
 @persistent
 def _on_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
+    present.notice(graph)
     if scene.session_uid not in evaluating.stages:
-        live.show_frame(scene)
-        perform.show_frame(scene, graph)
-        events.show_frame(scene)
+        found = present.armatures(scene)
+        live.show_frame(scene, found)
+        perform.show_frame(scene, graph, found)
+        events.show_frame(scene, found)
 
 
 @persistent
 def _on_edit(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
+    present.notice(graph)
     if scene.session_uid not in evaluating.stages:
-        perform.update(scene, graph)
+        perform.update(scene, graph, present.armatures(scene))
+
+
+@persistent
+def _before_all_is_replaced(*_: object) -> None:
+    present.forget()
 
 
 def _forget(for_good: bool) -> None:
+    present.forget()
     live.forget(for_good)
     perform.forget()
     cast.forget(rig=True)
@@ -64,6 +73,9 @@ def _pairs() -> list[tuple[list[Any], Any]]:
         (handlers.frame_change_pre, _before_frame),
         (handlers.frame_change_post, _on_frame),
         (handlers.depsgraph_update_post, _on_edit),
+        (handlers.load_pre, _before_all_is_replaced),
+        (handlers.undo_pre, _before_all_is_replaced),
+        (handlers.redo_pre, _before_all_is_replaced),
         (handlers.load_post, _on_load),
         (handlers.undo_post, _on_undo),
         (handlers.redo_post, _on_undo),

@@ -4,7 +4,7 @@ Everything here is run-time state, keyed by Blender's session-wide number of the
 redo. What is shown depends on the time alone, never on how often it was asked for.
 """
 
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from dataclasses import dataclass
 
 import bpy
@@ -179,11 +179,16 @@ def _accept(target: bpy.types.Object, motion: Motion) -> None:
     motion.switch(target)
 
 
-def show_frame(scene: bpy.types.Scene) -> None:
-    """Put the pose of the scene's frame on all targets; one that cannot be shown follows no more, and says why."""
+def show_frame(scene: bpy.types.Scene, among: Iterable[bpy.types.Object] | None = None) -> None:
+    """Put the pose of the scene's frame on all targets; one that cannot be shown follows no more, and says why.
+
+    Args:
+        scene: The scene.
+        among: All its armatures, where they are known.
+    """
     if _preparing:
         return  # a source is being sampled by stepping through frames
-    for target in _targets(scene):
+    for target in _targets(scene, among):
         try:
             motion = _motions.get(target.session_uid)
             if motion is None or motion.followed != _followed(of_rig(target).live_source):
@@ -202,8 +207,8 @@ def _give_up(target: bpy.types.Object, error: MorphError) -> None:
     of_rig(target).live_source = None
 
 
-def _targets(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    return [ob for ob in scene.objects if following(ob)]
+def _targets(scene: bpy.types.Scene, among: Iterable[bpy.types.Object] | None = None) -> list[bpy.types.Object]:
+    return [ob for ob in (scene.objects if among is None else among) if following(ob)]
 
 
 def _followed(source: bpy.types.Object) -> tuple[int, int]:

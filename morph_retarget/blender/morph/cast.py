@@ -4,6 +4,7 @@ What is found here is kept by Blender's session-wide number of the object and dr
 definition or a rig is edited, and when another action is assigned.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import bpy
@@ -39,9 +40,16 @@ def action_of(ob: bpy.types.Object) -> bpy.types.Action | None:
     return next((action for action in strips if definitions.is_generalized(action)), None)
 
 
-def performers(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """Return the armatures of a scene that play a generalized action."""
-    return [ob for ob in scene.objects if ob.type == "ARMATURE" and action_of(ob) is not None]
+def performers(scene: bpy.types.Scene, among: Iterable[bpy.types.Object] | None = None) -> list[bpy.types.Object]:
+    """Return the armatures of a scene that play a generalized action.
+
+    Args:
+        scene: The scene.
+        among: All its armatures, where they are known.
+    """
+    if among is None:  # most files have no generalized action, and some have very many objects
+        among = scene.objects if any(map(definitions.is_generalized, bpy.data.actions)) else ()
+    return [ob for ob in among if action_of(ob) is not None]
 
 
 def playing(scene: bpy.types.Scene, action: bpy.types.Action) -> list[bpy.types.Object]:

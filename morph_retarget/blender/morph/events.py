@@ -13,7 +13,7 @@ before did not. So it happens once in playing over it frame by frame, and in jum
 the same frame is shown; playback that leaves out frames, or a jump across the marker, leaves it out too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import bpy
 
@@ -37,13 +37,13 @@ def markers_of(action: bpy.types.Action) -> list[tuple[str, int]]:
     return sorted(((marker.name, marker.frame) for marker in action.pose_markers), key=lambda m: (m[1], m[0]))
 
 
-def show_frame(scene: bpy.types.Scene) -> None:
-    """Tell of the events at the frame that a scene shows now."""
+def show_frame(scene: bpy.types.Scene, among: Iterable[bpy.types.Object] | None = None) -> None:
+    """Tell of the events at the frame that a scene shows now; ``among`` as for `cast.performers`."""
     if not callbacks:
         _before.clear()
         return
     happened: list[tuple[bpy.types.Object, str, int]] = []
-    for ob in cast.performers(scene):
+    for ob in cast.performers(scene, among):
         action = cast.action_of(ob)
         if action is None or of_rig(ob).muted:
             continue

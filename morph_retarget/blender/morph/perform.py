@@ -7,7 +7,7 @@ characters follow (Hecker 2008 §3.2.1).
 """
 
 import contextlib
-from collections.abc import Container, Set
+from collections.abc import Container, Iterable, Set
 
 import bpy
 
@@ -51,36 +51,41 @@ def shown(ob: bpy.types.Object) -> Shown | None:
     return _shown.get(ob.session_uid)
 
 
-def foresee(scene: bpy.types.Scene) -> None:
+def foresee(scene: bpy.types.Scene, among: Iterable[bpy.types.Object] | None = None) -> None:
     """Put characters in the pose that they showed last at a frame, before Blender evaluates what it changes to.
 
     A pose that is written then is evaluated with all else; one that is written afterwards has the armature evaluated
     for a second time. It is a guess, which `show_frame` puts right if values or targets are other than they were.
+    ``among`` as for `cast.performers`, here and below.
     """
     if _busy:
         return
     _foreseen.clear()
     now = replay.moment(scene)
-    for ob in cast.performers(scene):
+    for ob in cast.performers(scene, among):
         guess = replay.last(ob.session_uid, now)
         if guess is not None and not (of_rig(ob).muted or of_rig(ob).live_source):
             _put(ob, guess.frame, guess.frame.played, guess.frame.setting)
             _foreseen[ob.session_uid] = guess
 
 
-def show_frame(scene: bpy.types.Scene, graph: bpy.types.Depsgraph | None = None) -> None:
+def show_frame(
+    scene: bpy.types.Scene,
+    graph: bpy.types.Depsgraph | None = None,
+    among: Iterable[bpy.types.Object] | None = None,
+) -> None:
     """Put all characters of a scene in the pose of its present frame."""
     if _busy:
         return
     graph = graph or bpy.context.evaluated_depsgraph_get()
-    _show(cast.performers(scene), scene, graph, anew=True)
+    _show(cast.performers(scene, among), scene, graph, anew=True)
 
 
-def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph) -> None:
+def update(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, among: Iterable[bpy.types.Object] | None = None) -> None:
     """Let all characters follow an edit: of a value, a curve, a target, or the pose of a bone."""
     if _busy:
         return
-    found = cast.performers(scene)
+    found = cast.performers(scene, among)
     if not found:
         return
     changed = {change.id.original for change in graph.updates if change.id is not None}
