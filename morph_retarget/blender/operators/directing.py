@@ -5,18 +5,16 @@ from typing import Any
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ...core import play
 from ...core.clips.commands.command import Verb
 from ...core.errors import RigError, listed
 from ..directing import known, marking
 from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_directing
-from ..locomotion import standing
 from ..locomotion.properties import Source
-from ..morph import analyses, cast, query
+from ..morph import cast, query
 from ..properties import of_rig
 from .generalized import characters_meant, performer_meant
-from .locomotion import give_empty_action
-from .manners import OfArmature, Status, armature_meant, armature_poll, reporting, scene_in
+from .locomotion import let_go
+from .manners import OfArmature, OfSelected, Status, armature_meant, reporting, scene_in
 
 NAME = "Directing"
 """Of actions without channels."""
@@ -51,28 +49,18 @@ def command_meant(ob: bpy.types.Object, place: int) -> MORPHRETARGET_PG_command:
     return own.commands[place]
 
 
-class MORPHRETARGET_OT_direct(bpy.types.Operator):
+class MORPHRETARGET_OT_direct(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.direct"
     bl_label = "Direct"
     bl_description = (
         "Let the selected armatures do what they are told by commands: walk, run, wave, look at and reach for things"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        found = characters_meant(context, self.character)
-        for ob in found:
-            directing_of(ob)
-            _, character, bodies = analyses.of(ob)
-            standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
-        give_empty_action(found, NAME)
+        for ob in characters_meant(context, self.character):
+            directing_of(ob)  # what is linked is refused before anything has changed
+        found = let_go(context, self.character, NAME)
         for ob in found:
             of_rig(ob).gait.source = Source.COMMANDS.value
             of_rig(ob).gait.enabled = True

@@ -16,7 +16,7 @@ from ..morph import analyses, cast, definitions, jiggles, own_values, perform, q
 from ..morph.properties import of_action
 from ..properties import of_rig
 from ..rig import scene_of
-from .manners import Status, refuse, reporting, scene_in
+from .manners import OfSelected, Status, refuse, reporting, scene_in
 
 FIRST = Channel("Graspers", Context(Capability.GRASPER), Movement(scale=ScaleMode.LIMB_LENGTH))
 """What a new action starts with."""
@@ -119,18 +119,12 @@ def add_channel(context: bpy.types.Context, action: bpy.types.Action, wanted: Ch
         own_values.ensure(ob, action)
 
 
-class MORPHRETARGET_OT_new_action(bpy.types.Operator):
+class MORPHRETARGET_OT_new_action(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.new_action"
     bl_label = "New Generalized Action"
     bl_description = "Make a generalized action with a first channel, and let the selected armatures play it"
-    bl_options = {"REGISTER", "UNDO"}
 
     name: StringProperty(name="Name", description="Name of the action", default="Generalized")
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
-
-    @classmethod
-    def poll(cls, _: bpy.types.Context) -> bool:
-        return len(bpy.data.armatures) > 0 or refuse(cls, "There is no armature in this file")
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -147,13 +141,11 @@ class MORPHRETARGET_OT_new_action(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_character(bpy.types.Operator):
+class MORPHRETARGET_OT_add_character(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.add_character"
     bl_label = "Add Character"
     bl_description = "Let the selected armatures play the generalized action of the active character"
-    bl_options = {"REGISTER", "UNDO"}
 
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
     action: StringProperty(name="Action", description="Generalized action; the active character's when empty")
 
     @classmethod
@@ -174,13 +166,10 @@ class MORPHRETARGET_OT_add_character(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_remove_character(bpy.types.Operator):
+class MORPHRETARGET_OT_remove_character(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.remove_character"
     bl_label = "Remove Character"
     bl_description = "Let the selected armatures play their generalized action no more"
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
@@ -219,14 +208,12 @@ class MORPHRETARGET_OT_activate_character(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_play_movement(bpy.types.Operator):
+class MORPHRETARGET_OT_play_movement(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.play_movement"
     bl_label = "Play Movement"
     bl_description = "Give each selected armature the first action of a movement that is made for characters like it"
-    bl_options = {"REGISTER", "UNDO"}
 
     movement: StringProperty(name="Movement", description="Movement; that of the active character's action when empty")
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
 
     @classmethod
     def poll(cls, _: bpy.types.Context) -> bool:

@@ -1,9 +1,7 @@
 """Locomotion: letting characters go over the ground, mixing styles, keying how they go."""
 
-from collections.abc import Sequence
-
 import bpy
-from bpy.props import EnumProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, IntProperty
 
 from ...core import play
 from ...core.errors import RigError, listed
@@ -15,9 +13,9 @@ from .generalized import characters_meant, let_play, performer_meant
 from .manners import (
     PLACE,
     OfArmature,
+    OfSelected,
     Status,
     armature_meant,
-    armature_poll,
     place_meant,
     refuse,
     reporting,
@@ -43,42 +41,45 @@ class OfWalker(OfArmature):
         return any_walker(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
 
-class MORPHRETARGET_OT_add_locomotion(bpy.types.Operator):
+class MORPHRETARGET_OT_add_locomotion(OfSelected, bpy.types.Operator):
     bl_idname = "morph_retarget.add_locomotion"
     bl_label = "Add Locomotion"
     bl_description = (
         "Let the selected armatures walk, run or crawl over the ground by themselves, "
         "beneath what their generalized actions do"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return armature_poll(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
-        found = characters_meant(context, self.character)
-        for ob in found:
-            _, character, bodies = analyses.of(ob)
-            standing.of(character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
-        give_empty_action(found, NAME)
+        found = let_go(context, self.character, NAME)
         for ob in found:
             of_rig(ob).gait.enabled = True
         self.report({"INFO"}, f"{listed([ob.name for ob in found], 3)} can go now: set a speed or a path")
         return {"FINISHED"}
 
 
-def give_empty_action(characters: Sequence[bpy.types.Object], name: str) -> None:
-    """Let characters that play nothing play a new action without channels, so that they are live."""
-    idle = [ob for ob in characters if cast.action_of(ob) is None]
+def let_go(context: bpy.types.Context, character: str, name: str) -> list[bpy.types.Object]:
+    """Return the characters that are meant, all of them able to go over the ground, and live.
+
+    Args:
+        context: Where some are selected.
+        character: Name of one; the selected ones when empty.
+        name: Of the new action without channels that those play which played nothing.
+
+    Raises:
+        RigError: There is none, or one cannot go.
+    """
+    found = characters_meant(context, character)
+    for ob in found:
+        _, its_character, bodies = analyses.of(ob)
+        standing.of(its_character, play.root_of(bodies), of_rig(ob).gait)  # who cannot go is refused here
+    idle = [ob for ob in found if cast.action_of(ob) is None]
     if idle:
         action = bpy.data.actions.new(name)
         action.use_fake_user = True
         definitions.make(action)
         let_play(idle, action)
+    return found
 
 
 class MORPHRETARGET_OT_remove_locomotion(OfWalker, bpy.types.Operator):

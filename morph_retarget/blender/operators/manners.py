@@ -46,6 +46,12 @@ class OfArmature:
         return armature_poll(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
 
+class OfSelected(OfArmature):
+    """What operators on all selected armatures share; scripts may name one."""
+
+    character: StringProperty(name="Character", description="Armature object; the selected ones when empty")
+
+
 def scene_in(context: bpy.types.Context) -> bpy.types.Scene:
     """Return the scene; operators are only offered where there is one."""
     assert context.scene is not None, "operators run in a window with a scene"

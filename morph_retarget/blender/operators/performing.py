@@ -1,7 +1,6 @@
 """From generalized actions to ordinary ones and back: baking characters, generalizing captured motions."""
 
 from collections.abc import Generator
-from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
@@ -14,9 +13,6 @@ from ..rig import armature_of
 from .generalized import any_performer, performer_meant
 from .manners import Status, refuse, scene_in
 from .stepping import Stepping
-
-latest: dict[int, dict[str, Any]] = {}
-"""Report of each character's last baking, by session-wide number."""
 
 
 class MORPHRETARGET_OT_bake_action(Stepping, bpy.types.Operator):
@@ -54,7 +50,6 @@ class MORPHRETARGET_OT_bake_action(Stepping, bpy.types.Operator):
     def finish(self, _: bpy.types.Context, outcomes: list[bake.Outcome]) -> Status:
         for outcome in outcomes:
             ob = outcome.take.member.rig.object
-            latest[ob.session_uid] = outcome.report
             for warning in outcome.take.warnings:
                 self.report({"WARNING"}, f"{ob.name}: {warning}")
         made = repr(outcomes[0].action.name) if len(outcomes) == 1 else f"{len(outcomes)} actions"

@@ -91,6 +91,8 @@ class Stepping:
         window.progress_end()
         if context.workspace is not None:
             context.workspace.status_text_set(None)
+        for area in context.screen.areas if context.screen is not None else ():
+            area.tag_redraw()  # what panels tell of the result comes after the last thing that Blender notices
 
 
 def _window(context: bpy.types.Context) -> bpy.types.WindowManager:

@@ -14,7 +14,7 @@ from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_di
 from ..locomotion import walks
 from ..morph import cast, query
 from ..properties import of_rig
-from .tab import InTab, say, split_layout, told
+from .tab import InTab, OfCharacter, say, split_layout, told
 
 _ICONS: dict[str, Any] = {Verb.START: "PLAY", Verb.STOP: "PAUSE", Verb.RESET: "LOOP_BACK"}
 _FILES = "morph_retarget.import_commands"
@@ -124,14 +124,9 @@ def active_command(own: MORPHRETARGET_PG_directing) -> MORPHRETARGET_PG_command 
     return own.commands[own.active_command] if 0 <= own.active_command < len(own.commands) else None
 
 
-class MORPHRETARGET_PT_directing(InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_directing(OfCharacter, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_directing"
     bl_label = "Directing"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return query.active_character(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, ob = split_layout(self), query.active_character(context)

@@ -10,7 +10,7 @@ import bpy
 from ..morph import cast, jiggles, query
 from ..morph.jiggle_properties import BONE
 from ..properties import of_rig
-from .tab import InTab, say, split_layout
+from .tab import InTab, OfCharacter, say, split_layout
 
 
 class MORPHRETARGET_UL_jiggle_settings(bpy.types.UIList):
@@ -34,14 +34,9 @@ class MORPHRETARGET_UL_jiggle_settings(bpy.types.UIList):
         layout.label(text="" if item.amount else "Still")
 
 
-class MORPHRETARGET_PT_jiggles(InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_jiggles(OfCharacter, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_jiggles"
     bl_label = "Jiggles"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return query.active_character(context) is not None
 
     def draw_header(self, context: bpy.types.Context) -> None:
         ob = query.active_character(context)

@@ -15,7 +15,7 @@ from ..locomotion.properties import Source
 from ..morph import cast, query
 from ..properties import of_rig
 from . import gait_diagram
-from .tab import InTab, say, split_layout, told
+from .tab import InTab, OfCharacter, say, split_layout, told
 
 FIRST = ("stride", "step_height", "crouch")
 """Settings that are shown first."""
@@ -55,14 +55,9 @@ class MORPHRETARGET_UL_gait_styles(bpy.types.UIList):
         row.prop(item, "weight", text="", emboss=False)
 
 
-class MORPHRETARGET_PT_locomotion(InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_locomotion(OfCharacter, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_locomotion"
     bl_label = "Locomotion"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return query.active_character(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, ob = split_layout(self), query.active_character(context)
@@ -134,15 +129,21 @@ def _draw_diagram(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy
         split.label(text=row.text, translate=False)
 
 
-class MORPHRETARGET_PT_gait_styles(InTab, bpy.types.Panel):
-    bl_idname = "MORPHRETARGET_PT_gait_styles"
+class _OfWalker(InTab):
+    """What panels within that of locomotion share."""
+
     bl_parent_id = "MORPHRETARGET_PT_locomotion"
-    bl_label = "Styles"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
+        """Return whether the active character has locomotion."""
         return _walker(context) is not None
+
+
+class MORPHRETARGET_PT_gait_styles(_OfWalker, bpy.types.Panel):
+    bl_idname = "MORPHRETARGET_PT_gait_styles"
+    bl_label = "Styles"
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, ob = split_layout(self), _walker(context)
@@ -162,15 +163,9 @@ class MORPHRETARGET_PT_gait_styles(InTab, bpy.types.Panel):
                 layout.prop(item, name)
 
 
-class MORPHRETARGET_PT_gait_details(InTab, bpy.types.Panel):
+class MORPHRETARGET_PT_gait_details(_OfWalker, bpy.types.Panel):
     bl_idname = "MORPHRETARGET_PT_gait_details"
-    bl_parent_id = "MORPHRETARGET_PT_locomotion"
     bl_label = "Steps and Body"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _walker(context) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
         layout, ob = split_layout(self), _walker(context)

@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from .. import translations
+from ..morph import query
 
 
 class InTab:
@@ -18,6 +19,17 @@ class InTab:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Morph Retarget"
+
+
+class OfCharacter(InTab):
+    """What panels about the active armature share; they are closed to begin with."""
+
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Return whether there is one."""
+        return query.active_character(context) is not None
 
 
 def split_layout(panel: Any) -> bpy.types.UILayout:
