@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from ..core import jiggling, pipeline, report
-from ..core.character.analysis import Overrides, analyze
+from ..core.character.analysis import Overrides
 from ..core.character.character import Character
 from ..core.character.control_given import Reaching
 from ..core.errors import MotionError, RigError
@@ -26,6 +26,7 @@ from .contacts import Contact
 from .controls import deforming
 from .controls.task import Onto, Task
 from .laying import Lay, Place
+from .recognition import recognized
 from .rig import Rig
 from .sampling import Clip
 from .steps import run as run
@@ -109,13 +110,13 @@ def character_of(own: Rig, overrides: Overrides | None = None, clip: Clip | None
         MappingError: An override names a joint or bone that does not exist.
     """
     overrides = overrides or Overrides()
-    found = analyze(own.skeleton, own.placement, overrides)
+    found = recognized(own.skeleton, own.placement, overrides)
     if found.rest_is_pose or clip is None:
         return found
     up = reference.upright_axis(found, clip.pose) if overrides.up is None else overrides.up
     row = reference.standing_frame(found, clip.pose, up)
     posed = Overrides(up, overrides.forward, overrides.joints)
-    return analyze(own.skeleton, own.placement, posed, clip.pose.positions[row])
+    return recognized(own.skeleton, own.placement, posed, clip.pose.positions[row])
 
 
 def read_source(

@@ -7,7 +7,7 @@ Channels whose targets are bodies of the same character are specialized last, wh
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -158,13 +158,31 @@ def prepare(
         rotation |= entry.rotation and channel.rotation_weight > 0.0
         wanted[entry.body] = (position, rotation)
     goals = [(int(body), *wanted[int(body)]) for body in binding.plan.goals]
-    both = layering.wanted(goals, lower)
+    both = tuple(layering.wanted(goals, lower))
     root = lower[0][0] if lower else root_of(bodies)
-    pose = posing.prepare(character, bodies.positions, root, both, settings, limits, fixed)
+    pose = _planned(character, bodies.positions.tobytes(), root, both, settings, limits, frozenset(fixed))
     lifting = None
     if settings.keeps_above_ground and not lower:
         lifting = Lifting.of(Hierarchy(character, bodies.positions, root, frozenset(fixed)), pose)
     return Part(character, binding, pose, first, lifting)
+
+
+@lru_cache(maxsize=32)
+def _planned(
+    character: Character,
+    positions: bytes,
+    root: int,
+    wanted: tuple[tuple[int, bool, bool], ...],
+    settings: SolverSettings,
+    limits: JointLimits | None,
+    fixed: frozenset[int],
+) -> posing.Plan:
+    """Return how goals are met: planned once for all bindings that want the same, and again by undo.
+
+    Tables of limbs, which a plan makes when it is first used, take longer than all else that is prepared.
+    """
+    rest = np.frombuffer(positions, dtype=np.float64).reshape(-1, 3)
+    return posing.prepare(character, rest, root, wanted, settings, limits, fixed)
 
 
 def root_of(bodies: Bodies) -> int:

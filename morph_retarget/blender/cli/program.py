@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from functools import cache
 from typing import Any, NoReturn
 
 from ...core.errors import MorphError
@@ -51,6 +52,7 @@ class _Parser(argparse.ArgumentParser):
         self.exit(UNUSABLE, f"{self.prog}: {' '.join(message.split())}: see {self.prog} --help\n")
 
 
+@cache
 def parser() -> argparse.ArgumentParser:
     """Return what reads the command line."""
     looks: dict[str, Any] = {

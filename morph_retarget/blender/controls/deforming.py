@@ -6,10 +6,11 @@ from dataclasses import replace
 import bpy
 
 from ...core.character import deform_tree
-from ...core.character.analysis import Overrides, analyze
+from ...core.character.analysis import Overrides
 from ...core.character.character import Character
 from ...core.character.control_facts import COPYING, MOST, BoneFacts
 from ...core.character.controls import Wanted, without_names
+from ..recognition import recognized
 from ..rig import Rig, pose_of
 from . import reading
 
@@ -32,7 +33,7 @@ def body_of(target: Rig, character: Character, keep: Iterable[str] = ()) -> tupl
     frame, dropped = character.frame, set[str]()
     while True:
         skeleton, rows = deform_tree.within(target.skeleton, deform - dropped, copies)
-        found = analyze(skeleton, target.placement, Overrides(frame.up, frame.forward, given))
+        found = recognized(skeleton, target.placement, Overrides(frame.up, frame.forward, given))
         more = _segments(target.object, found)
         if not more or dropped:
             break

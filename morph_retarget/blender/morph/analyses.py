@@ -28,14 +28,8 @@ def of(ob: bpy.types.Object) -> Analysis:
     known = _known.get(ob.session_uid)
     if known is None:
         own, character = collect.target_of(ob)
-        known = keep(ob, own, character, Bodies.of(character))
-    return known
-
-
-def keep(ob: bpy.types.Object, own: Rig, character: Character, bodies: Bodies) -> Analysis:
-    """Keep what an armature is, until it is edited."""
-    _rests[ob.session_uid] = _corrections(ob), _bones_of(ob)
-    known = _known[ob.session_uid] = (own, character, bodies)
+        known = _known[ob.session_uid] = (own, character, Bodies.of(character))
+        _rests[ob.session_uid] = _corrections(ob), _bones_of(ob)
     return known
 
 

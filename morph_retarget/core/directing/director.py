@@ -7,7 +7,7 @@ It is prepared for a range of frames and depends on nothing that was shown befor
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -212,6 +212,7 @@ def prepare(character: Character, library: Library, directions: Directions, last
     return Directed(model, performance, start, moved, heights, Hands.of(actor, model.moving, acted), shown, warnings)
 
 
+@lru_cache(maxsize=32)  # asked for with each edit of what a character is told
 def standing(character: Character) -> Directed:
     """Return a character that has been told nothing: its goals are for the same bodies as those of all others."""
     model = performing.model_of(character)

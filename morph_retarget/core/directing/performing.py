@@ -5,6 +5,7 @@ All takes that ask the solver for goals of the same bodies are solved in one bat
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -44,8 +45,9 @@ LEAST_FRAMES = 4
 """A cycle has no fewer frames than this, however small a body is."""
 
 
+@lru_cache(maxsize=32)
 def model_of(character: Character) -> CharacterModel:
-    """Return a character as the body of clips: its root is what carries it as it goes.
+    """Return a character as the body of clips, the same each time: its root is what carries it as it goes.
 
     Raises:
         RigError: It cannot go in any way.
