@@ -19,6 +19,13 @@ MIRROR = np.array([-1.0, 1.0, 1.0])
 MIRROR_TURN = np.array([1.0, 1.0, -1.0, -1.0])
 """Takes a rotation to its mirror image."""
 CAPABILITIES = tuple(Capability)
+UNLIKE = (
+    *("cesium_man", "daz_genesis8", "kaykit_adventurer", "makehuman_default", "quaternius_cyberpunk_ikfeet"),
+    *("rokoko_mixamo_preset_bvh", "secondlife_bento", "sketchbook_boxman", "unreal_ue5_manny"),
+    *("khronos_fox", "m2m_bird", "m2m_kaiju", "m2m_snake", "m2m_spider", "quaternius_bee", "quaternius_frog"),
+    *("quaternius_trex", "rigify_cat"),
+)
+"""Real rigs from few bones to many: with twists, faces, wings, tails, many legs, none, and feet that hang elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +127,11 @@ def shuffled(bodies: Bodies, rng: np.random.Generator) -> Bodies:
 def real_characters(data: Path) -> Mapping[str, Character]:
     """Return all real rigs by name, analysed."""
     return {str(table["id"]): truth.find(truth.rig(data, table)) for table in truth.tables(data)}
+
+
+def unlike_characters(data: Path) -> Mapping[str, Character]:
+    """Return those of the real rigs that differ in kind, for laws of the solver, to which the others are alike."""
+    return {name: character for name, character in real_characters(data).items() if name in UNLIKE}
 
 
 @cache

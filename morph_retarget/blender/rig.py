@@ -82,7 +82,7 @@ def read(ob: bpy.types.Object) -> Rig:
     """Return an armature object's rest, armature space, and its place in the world.
 
     Raises:
-        RigError: It is no armature, has no bones, or is scaled to zero.
+        RigError: It is no armature, has no bones, is scaled to zero, or a place in it is no number.
     """
     if ob.type != "ARMATURE":
         raise RigError(f"object {ob.name!r} is no armature: choose one")
@@ -95,6 +95,14 @@ def read(ob: bpy.types.Object) -> Rig:
     bones.foreach_get("matrix_local", matrices)
     bones.foreach_get("head_local", heads)
     bones.foreach_get("tail_local", tails)
+    finite = np.isfinite(
+        np.column_stack([matrices.reshape(count, 16), heads.reshape(count, 3), tails.reshape(count, 3)])
+    )
+    if not finite.all():
+        name = bones[int(np.argmin(finite.all(axis=1)))].name
+        raise RigError(
+            f"bone {name!r} of armature {ob.name!r} lies at values that are no numbers: export the rig again"
+        )
     place = {bone.name: i for i, bone in enumerate(bones)}
     parents = np.array([place[bone.parent.name] if bone.parent else -1 for bone in bones], dtype=np.intp)
     order = Tree(parents).order

@@ -27,6 +27,8 @@ class ContactSettings:
     """How far above the floor a foot is still low."""
     shortest: float = 0.08
     """Shorter plants are dropped [s]."""
+    shortest_high: float = 0.2
+    """The same for plants above the floor: for a moment a foot is still wherever it turns back [s]."""
     shortest_flight: float = 0.05
     """Shorter flights between two plants are closed [s]."""
 
@@ -63,11 +65,21 @@ def find_plants(points: Array, seconds_per_frame: float, leg_length: float, sett
     holds = (low & (speed < settings.end_speed)) | (speed < 1.5 * settings.still_speed)
     out = np.stack([hysteresis(starts[:, f], holds[:, f]) for f in range(points.shape[1])], axis=-1)
     for foot in range(out.shape[1]):
+        _drop_turns(out[:, foot], low[:, foot], settings.shortest_high / seconds_per_frame)
         drop_short(out[:, foot], False, settings.shortest_flight / seconds_per_frame)
         drop_short(out[:, foot], True, settings.shortest / seconds_per_frame)
     return out
 
 
+def _drop_turns(standing: Flags, low: Flags, frames: float) -> None:
+    """Drop plants of one foot that are nowhere low and shorter than ``frames``, in place."""
+    for first, last in runs(standing):
+        if last - first + 1 < frames and not low[first : last + 1].any():
+            standing[first : last + 1] = False
+
+
+MOST_BELOW = 0.2
+"""A foot is below its floor in no larger share of a clip."""
 SPEED_TIME = 0.04
 """Speeds are taken over this time, so that capture noise at 120 Hz does not look like motion [s]."""
 
@@ -90,12 +102,15 @@ def floor_height(height: Array, speed: Array, settings: ContactSettings) -> Arra
     """Return the height of each foot when it stands on the lowest ground of the clip, shape (foot,).
 
     The level at which a foot is slow most often near its lowest: a low quantile of the heights of its slow frames,
-    so that one bad frame below the floor does not drag it down.
+    so that one bad frame below the floor does not drag it down. A foot that is below that for long was slow in the
+    air alone, where it turns back, as in a run on the spot: its floor is where it is lowest.
     """
-    out = np.empty(height.shape[1])
+    out = np.quantile(height, 0.02, axis=0)
     for foot in range(height.shape[1]):
         slow = speed[:, foot] < settings.start_speed
-        out[foot] = np.quantile(height[slow, foot], 0.1) if slow.any() else np.quantile(height[:, foot], 0.02)
+        found = float(np.quantile(height[slow, foot], 0.1)) if slow.any() else np.inf
+        if np.mean(height[:, foot] < found - settings.height) < MOST_BELOW:
+            out[foot] = found
     return out
 
 

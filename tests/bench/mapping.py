@@ -132,5 +132,6 @@ def _time(skeleton: Skeleton) -> float:
     for _ in range(5):
         fresh = replace(skeleton)
         names._split_known.cache_clear()
+        names._read.cache_clear()
         taken.append(seconds(partial(analyze, fresh)))
     return statistics.median(taken)

@@ -4,6 +4,7 @@ import base64
 import json
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -236,6 +237,18 @@ def test_an_armature_scaled_to_nothing_is_refused(refused: Refused, files: Files
     flat = scenes.save(tmp_path / "flat.blend")
     assert "scale" in refused("map", flat, names=flat)
     assert "scale" in refused("retarget", files.clip("blend"), flat, "-o", out / "o.blend", names=flat)
+
+
+def test_an_armature_placed_by_no_number_is_refused(refused: Refused, tmp_path: Path) -> None:
+    scenes.sprout().location = (0.0, float("nan"), 0.0)
+    lost = scenes.save(tmp_path / "lost.blend")
+    assert "clear its transform" in refused("map", lost, names=lost)
+
+
+def test_a_bone_that_lies_at_no_number_is_refused_by_name(refused: Refused, tmp_path: Path) -> None:
+    armatures.build("Lost", [replace(b, head=(np.nan, 0.0, 0.0)) if b.name == "neck" else b for b in humanoid()])
+    lost = scenes.save(tmp_path / "lost.blend")
+    assert "'neck'" in refused("map", lost, names=lost)
 
 
 # --- motions that are none ---

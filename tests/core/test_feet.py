@@ -13,7 +13,7 @@ from morph_retarget.core.contacts import ContactSettings, Plant
 from morph_retarget.core.mocap.measure import measure
 from morph_retarget.core.mocap.plan import Plan, RetargetSettings, prepare
 from morph_retarget.core.mocap.root_motion import RootMotion
-from morph_retarget.core.skeleton import Pose
+from morph_retarget.core.skeleton import Pose, pose_from_basis
 from tests.skeletons import joints, play, skeleton_of
 from tools import gait
 from tools.figure import CHIBI, Build, Proportions, humanoid
@@ -97,6 +97,33 @@ def test_feet_slide_without_planting_and_by_as_much_as_is_asked(walk: tuple[Char
         amounts.append(measure(plan, result.source, result.motion).slide_target)
     assert amounts[0] > amounts[1] > amounts[2]
     assert amounts[2] < 0.01
+
+
+def _run_on_the_spot(body: Character, fps: float, begins: float) -> Pose:
+    """Return strides with hips that keep their place: feet are slow only where they turn back, high in the air.
+
+    Args:
+        body: A figure whose bones have the world's axes.
+        fps: Frames a second.
+        begins: Where in a stride the clip begins, 0 to 1.
+    """
+    phase = 2.0 * np.pi * (begins + np.arange(round(2.0 * fps)) / (1.2 * fps))
+    bends = np.zeros((len(phase), len(body.skeleton), 3))
+    for side, shift in (("left", 0.0), ("right", np.pi)):
+        bends[:, body.skeleton.index[f"{side}UpperLeg"], 0] = -np.sin(phase + shift)
+        bends[:, body.skeleton.index[f"{side}LowerLeg"], 0] = 0.6
+    return pose_from_basis(body.skeleton, quat.from_rotation_vector(bends), np.zeros_like(bends))
+
+
+@pytest.mark.parametrize("fps", [24.0, 30.0, 60.0])
+@pytest.mark.parametrize("begins", [0.0, 0.25, 0.4, 0.75])
+def test_a_run_on_the_spot_comes_down_to_the_floor(fps: float, begins: float) -> None:
+    body = analyze(skeleton_of(humanoid()))
+    pose = _run_on_the_spot(body, fps, begins)
+    out = play(body, pipeline.evaluate(prepare(body, body), pose, 1 / fps))
+    lowest = joints(body, out, "leftFoot", "rightFoot")[..., 2].min(axis=0)
+    at_rest = body.skeleton.rest_positions[[body.skeleton.index["leftFoot"], body.skeleton.index["rightFoot"]], 2]
+    np.testing.assert_allclose(lowest, at_rest, atol=0.03 * body.frame.height)
 
 
 def test_users_plants_replace_those_found(walk: tuple[Character, Pose, gait.Walk]) -> None:

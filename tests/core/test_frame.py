@@ -43,6 +43,15 @@ def test_uneven_scale_is_told_and_zero_scale_refused() -> None:
         Placement.from_matrix(np.diag([1.0, 0.0, 1.0, 1.0]))
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("entry", [(0, 1), (2, 3)])
+def test_an_object_is_placed_by_numbers(value: float, entry: tuple[int, int]) -> None:
+    matrix = np.eye(4)
+    matrix[entry] = value
+    with pytest.raises(RigError, match="no numbers: clear its transform"):
+        Placement.from_matrix(matrix)
+
+
 def test_the_character_frame_has_left_on_x_and_front_on_minus_y() -> None:
     frame = CharacterFrame(np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), np.array([5.0, 0.0, 0.0]), 1.8)
     to_character = frame.world_to_character

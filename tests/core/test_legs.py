@@ -299,3 +299,19 @@ def test_the_height_of_a_leg_counts_from_the_ground_under_it() -> None:
     for leg in legs.find(_creature("hound")).legs:
         assert isinstance(leg, Leg)
         assert np.isclose(leg.height, leg.hip[2])
+
+
+@pytest.mark.parametrize("paw", ["FrontPaw.L", "FrontPaw.R", "HindPaw.L", "HindPaw.R"])
+def test_a_leg_that_is_lifted_at_rest_is_a_leg(paw: str) -> None:
+    body, lifted = CREATURES["hound"](), (0.0, 0.0, 0.2)
+    low = {paw, *(b.parent for b in body if b.name == paw)}
+
+    def up(bone: Bone) -> Bone:
+        head = tuple(np.add(bone.head, lifted)) if bone.name == paw else bone.head
+        return Bone(bone.name, bone.parent, head, tuple(np.add(bone.tail, lifted)) if bone.name in low else bone.tail)
+
+    def found(bones: Sequence[Bone]) -> set[tuple[object, ...]]:
+        character = analyze(skeleton_of(bones))
+        return {(leg.row, leg.side, *(character.skeleton.names[b] for b in leg.bones)) for leg in character.legs}
+
+    assert found([up(bone) for bone in body]) == found(body)

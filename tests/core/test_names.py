@@ -79,3 +79,33 @@ def test_names_without_words_say_nothing(name: str) -> None:
     reading = read_names([name])[0]
     assert not reading.known
     assert joint_scores(reading)[""] == 0.0
+
+
+_LIMBS = [f"{part}.{side}" for side in "LR" for part in ("Humerus", "Forearm", "Hand", "Femur", "Shin", "Foot")]
+
+
+def test_words_for_controls_that_all_limbs_bear_say_nothing() -> None:
+    plain = read_names(["Head", *_LIMBS, "Eye.L"])
+    called = read_names(["Head", *(f"CTRL_FK_{name}" for name in _LIMBS), "Eye.L", "CTRL_Eye.L"])
+    assert [r.senses for r in called[:-1]] == [r.senses for r in plain]
+    assert joint_scores(called[-1])[""] < -5.0, "the other eye is a control"
+
+
+def test_controls_beside_limbs_are_controls() -> None:
+    called = read_names([*_LIMBS, *(f"CTRL_FK_{name}" for name in _LIMBS)])
+    assert all(joint_scores(r)[""] < -5.0 for r in called[len(_LIMBS) :])
+
+
+@pytest.mark.parametrize("codes", ["lf rf lr rr", "lf rf lh rh", "fl fr bl br", "FL FR RL RR"])
+def test_codes_of_four_legs_are_read_as_side_and_row(codes: str) -> None:
+    readings = read_names([f"{code}_leg_{part}" for code in codes.split() for part in ("upper", "lower", "foot")])
+    front_left, front_right, rear_left, rear_right = readings[::3]
+    assert [r.side for r in readings[::3]] == [1, -1, 1, -1]
+    assert front_left.has(Sense.FRONT)
+    assert front_right.has(Sense.FRONT)
+    assert rear_left.has(Sense.REAR)
+    assert rear_right.has(Sense.REAR)
+
+
+def test_codes_of_legs_say_nothing_on_bodies_without_all_four() -> None:
+    assert not read_names(["fl_leg", "bl_leg", "spine"])[0].has(Sense.FRONT)

@@ -239,7 +239,10 @@ def _humanoid_plan(evidence: Evidence, plan: Morphology, bones: Mapping[str, int
     # What the user mapped counts, what the search left out as helpers does not.
     mapped = {bones[j] for j in ("spine", "chest", "upperChest") if j in bones}
     spine = [hips, *(b for b in line if b in mapped or b in spine)]
-    trunk = Trunk(plan.trunk.root, tuple(spine), tuple(neck), head, plan.trunk.head_by, plan.trunk.tails)
+    # Where a rest is so bent that no limbs were seen, the way from head to tail may lead down a leg.
+    body = {*bones.values(), *spine, *neck, *(b for limb in limbs for b in (*limb.bones, *limb.digits))}
+    tails = tuple(tail for tail in plan.trunk.tails if not body & {*tail})
+    trunk = Trunk(plan.trunk.root, tuple(spine), tuple(neck), head, plan.trunk.head_by, tails)
     return Morphology(trunk, tuple(limbs))
 
 

@@ -48,8 +48,10 @@ class Placement:
         The second value is the relative size of the shear or uneven scale that had to be dropped, 0 for none.
 
         Raises:
-            RigError: The matrix flattens space (a scale of zero).
+            RigError: The matrix flattens space (a scale of zero), or has values that are no numbers.
         """
+        if not np.isfinite(matrix).all():
+            raise RigError("the armature object is placed by values that are no numbers: clear its transform")
         linear = matrix[:3, :3]
         u, stretches, vt = np.linalg.svd(linear)
         if stretches[-1] < 1e-9 * max(stretches[0], 1e-30):

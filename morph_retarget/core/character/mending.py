@@ -20,6 +20,8 @@ LEAST_GAP = 0.4
 """… and no nearer than this share of the limb's last bone: what lies in it is no paw but a target."""
 SAME_GAP = 0.05
 """Two such gaps are mirror images when they differ by no more than this share of the longer one."""
+HALF_GAP = 0.1
+"""Halves of a body lie no further apart than this share of the rig's extent."""
 _NEXT_IN_LIMB = (("LowerLeg", "Foot"), ("LowerArm", "Hand"))
 
 
@@ -33,7 +35,8 @@ def mend(
     """Put bones back under what they belong to.
 
     Deform bones that hang on mechanism bones (Rigify) come under the deform bone of the same name; feet and hands that
-    hang on the root or are roots themselves (baked inverse kinematics) under the limb at whose end they lie.
+    hang on the root or are roots themselves (baked inverse kinematics) under the limb at whose end they lie; a half of
+    the body that is a tree of its own under the nearest bone of the half with the hips.
 
     Args:
         skeleton: The rig.
@@ -75,6 +78,8 @@ def mend(
                 break
     for paw, end in _paws(parents, positions, readings, body, [e for e in ends if e in body]):
         parents[paw] = end
+    for root, carrier in _halves(skeleton, parents, positions, tails, readings):
+        parents[root] = carrier
     return parents
 
 
@@ -124,6 +129,45 @@ def _paws(
     ]
 
 
+def _halves(
+    skeleton: Skeleton, parents: Indices, positions: Array, tails: Array, readings: Sequence[Reading]
+) -> list[tuple[int, int]]:
+    """Return roots of halves of a body, and the bones of the half with the hips next to which these halves lie.
+
+    Some rigs turn chest and hips alike from nothing: each half has limbs on both of its sides.
+
+    Args:
+        skeleton: The rig.
+        parents: Of all bones, as far as they are mended, shape (bone,).
+        positions: Bone heads in the world [m], shape (bone, 3).
+        tails: Bone tails in the world [m], shape (bone, 3).
+        readings: What the names say.
+    """
+    roots = [b for b in skeleton.tree.roots if parents[b] < 0]
+    if len(roots) < 2:
+        return []
+    trees = {root: [root, *skeleton.tree.below(root)] for root in roots}
+    limbs = {root: [b for b in tree if _is_limb(readings[b])] for root, tree in trees.items()}
+    halves = [root for root in roots if {1, -1} <= {readings[b].side for b in limbs[root]}]
+    halves.sort(key=lambda root: (not any(readings[b].has(Sense.HIPS) for b in trees[root]), -len(trees[root])))
+    if len(halves) < 2:
+        return []
+    middle = [b for b in trees[halves[0]] if not readings[b].side and not readings[b].has(Sense.TAIL)]
+    found: list[tuple[int, int]] = []
+    for root in halves[1:]:
+        gaps = [min(float(np.linalg.norm(ends[b] - positions[root])) for ends in (positions, tails)) for b in middle]
+        if min(gaps, default=np.inf) < HALF_GAP * float(np.ptp(positions, axis=0).max()):
+            carrier = middle[int(np.argmin(gaps))]
+            marks_end = readings[carrier].has(Sense.END) and parents[carrier] >= 0
+            found.append((root, int(parents[carrier]) if marks_end else carrier))
+    return found
+
+
+def _is_limb(reading: Reading) -> bool:
+    """Return whether a name says a part of an arm or a leg, and which side it is on."""
+    return reading.side != 0 and reading.has(*_LIMBS, *_EXTREMITIES) and not joint_names.is_thing(reading)
+
+
 def _tops(parents: Indices, readings: Sequence[Reading], body: frozenset[int]) -> Iterator[int]:
     """Yield bones beside the body's tree that hang on nothing or on controls."""
     for bone, reading in enumerate(readings):
@@ -141,9 +185,9 @@ def _may_be(reading: Reading, senses: Sequence[Sense]) -> bool:
 def _past_mechanism(skeleton: Skeleton, readings: Sequence[Reading]) -> Indices:
     """Return parents in which controls and mechanism bones above body bones are replaced by their body twins."""
     things = [joint_names.is_thing(r) for r in readings]
-    twins: dict[tuple[object, ...], int] = {}
+    twins: dict[tuple[int, tuple[str, ...]], int] = {}
     for bone, reading in enumerate(readings):
-        if not things[bone]:
+        if not things[bone] and not all(word.isdigit() for word in _plain(reading)[1]):  # a number is no name
             twins.setdefault(_plain(reading), bone)
     parents = skeleton.tree.parents.copy()
     for bone in range(len(skeleton)):
@@ -152,12 +196,16 @@ def _past_mechanism(skeleton: Skeleton, readings: Sequence[Reading]) -> Indices:
             continue
         for above in skeleton.tree.ancestors[bone]:
             twin = twins.get(_plain(readings[above]), above) if things[above] else above
-            if not things[twin] and twin != bone and bone not in skeleton.tree.ancestors[twin]:
+            if (
+                not things[twin]
+                and twin != bone
+                and bone not in (*skeleton.tree.ancestors[twin], *_above(parents, twin))
+            ):
                 parents[bone] = twin
                 break
     return parents
 
 
-def _plain(reading: Reading) -> tuple[object, ...]:
+def _plain(reading: Reading) -> tuple[int, tuple[str, ...]]:
     """Return a name without the words that tell what its bone is for."""
     return reading.side, tuple(w for w in reading.words if not set(SENSES.get(w, ())) & {Sense.MECHANISM, Sense.NOISE})

@@ -137,7 +137,7 @@ def find(body: Body, left_is_x: bool) -> Morphology:
 
 def _kinds(body: Body, branches: Sequence[Branch]) -> list[LimbKind | None]:
     """Return what each branch is, None for ears, eyes, hair and the like."""
-    grounded = [branching.is_grounded(body, b) for b in branches]
+    grounded = _grounded(body, branches)
     said = [_said(body.evidence, b) for b in branches]
     standing = any(g and s in (LimbKind.LEG, None, LimbKind.ARM) for g, s in zip(grounded, said, strict=True))
     kinds = [_kind(body, b, g, s, standing) for b, g, s in zip(branches, grounded, said, strict=True)]
@@ -153,6 +153,12 @@ def _kinds(body: Body, branches: Sequence[Branch]) -> list[LimbKind | None]:
             LimbKind.LEG if f else k for f, k in zip(flippers, kinds, strict=True)
         ]  # a turtle walks on its flippers
     return kinds
+
+
+def _grounded(body: Body, branches: Sequence[Branch]) -> list[bool]:
+    """Return which branches stand on the ground, or would: a rest that walks has lifted one foot of a pair."""
+    standing = {b.bones[0] for b in branches if branching.is_grounded(body, b)}
+    return [bool(standing & {b.bones[0], int(body.partner[b.bones[0]])}) for b in branches]
 
 
 def _is_flipper(evidence: Evidence, branch: Branch) -> bool:
@@ -201,8 +207,10 @@ def _says_shoulder(evidence: Evidence, branch: Branch) -> bool:
 
 
 def _ends_in_hand_above_ground(body: Body, branch: Branch) -> bool:
-    """Return whether an arm that reaches down is still an arm: its hand hangs above other, lower limbs."""
-    return float(body.points[branch.bones[-1], 2]) > 0.2
+    """Return whether an arm that reaches down is still an arm: both hands hang above other, lower limbs."""
+    end = branch.bones[-1]
+    hands = [end, int(body.partner[end])] if body.partner[end] >= 0 else [end]
+    return float(body.points[hands, 2].min()) > 0.2
 
 
 # --- limbs ---

@@ -22,6 +22,11 @@ _CHUNKS = re.compile(
     r"|[A-Z]?[a-z]+"
     r"|[^\W\d_A-Za-z]+"  # letters of any other script
 )
+_LIMBS = (
+    Sense.ARM, Sense.UPPER_ARM, Sense.LOWER_ARM, Sense.ELBOW, Sense.WRIST, Sense.HAND, Sense.LEG, Sense.UPPER_LEG,
+    Sense.LOWER_LEG, Sense.KNEE, Sense.ANKLE, Sense.FOOT, Sense.PAW,
+)  # fmt: skip
+_FOR_CONTROLS = {Sense.CONTROL, Sense.MECHANISM}
 # A capital side letter glued to a capitalised word: LEye, RHipJoint, MJaw.
 _GLUED_CAPITAL = re.compile(r"(?<![A-Za-z])([LR])(?=[A-Z][a-z])")
 
@@ -125,6 +130,42 @@ def _drop_running_number(split: list[list[str]]) -> list[list[str]]:
     return split
 
 
+def _corners(rear: str, row_first: bool) -> dict[str, tuple[str, str]]:
+    """Return the codes of four legs and what they mean, with a letter for the rear ones."""
+    letters = {"front": "f", "rear": rear}
+    return {
+        letters[row] + side[0] if row_first else side[0] + letters[row]: (side, row)
+        for side in ("left", "right")
+        for row in letters
+    }
+
+
+_CORNERS = [_corners(rear, row_first) for rear in "rhb" for row_first in (False, True)]
+"""lf rf lr rr, fl fr rl rr, lf rf lh rh, …"""
+
+
+def _spell_corners(split: list[list[str]]) -> list[list[str]]:
+    """Write out two-letter codes for the four legs of a rig that has all of them: ``lf`` is left front."""
+    here = {word for words in split for word in words}
+    spelt = {code: words for corners in _CORNERS if here >= corners.keys() for code, words in corners.items()}
+    return [[part for word in words for part in spelt.get(word, (word,))] for words in split] if spelt else split
+
+
+def _drop_idle_controls(split: list[list[str]]) -> list[list[str]]:
+    """Remove words for controls that most limbs of a rig bear (``CTRL_FK_Femur.L``): no other bones are its limbs.
+
+    A name keeps them when another bone has the same name without them: that one is the limb.
+    """
+    limbs = [set(words) for words in split if any(sense in _LIMBS for word in words for sense in SENSES.get(word, ()))]
+    borne = Counter(word for words in limbs for word in words if set(SENSES.get(word, ())) & _FOR_CONTROLS)
+    idle = {word for word, count in borne.items() if len(limbs) >= 8 and count > 0.6 * len(limbs)}
+    if not idle:
+        return split
+    plain = [[word for word in words if word not in idle] for words in split]
+    taken = Counter(tuple(words) for words in plain)
+    return [short if short and taken[tuple(short)] == 1 else words for short, words in zip(plain, split, strict=True)]
+
+
 def _reading(words: list[str]) -> Reading:
     senses: set[Sense] = set()
     side = 0
@@ -145,17 +186,23 @@ def _reading(words: list[str]) -> Reading:
     return Reading(tuple(words), frozenset(senses), side, numbers, known)
 
 
-def read_names(names: Sequence[str]) -> list[Reading]:
+def read_names(names: Sequence[str]) -> tuple[Reading, ...]:
     """Read all bone names of one rig together (prefixes and numbering are habits of the whole rig).
 
     Returns:
         One `Reading` per name, in order.
     """
+    return _read(tuple(names))
+
+
+@lru_cache(maxsize=64)  # rigs whose characters are at work; all that plays on one asks again
+def _read(names: tuple[str, ...]) -> tuple[Reading, ...]:
     split = [[w for piece in _pieces(name) for w in _words(piece)] for name in names]
     split = _drop_running_number(_drop_common_prefix(_drop_running_number(split)))
+    split = _drop_idle_controls(_spell_corners(split))
     readings = [_reading(words) for words in split]
     # One-sided side letters are part of some other code ("R_Rig_Spine"): a body has both sides.
     sides = Counter(r.side for r in readings if r.side)
     if min(sides.get(1, 0), sides.get(-1, 0)) == 0 and sum(sides.values()) > 3:
         readings = [Reading(r.words, r.senses, 0, r.numbers, r.known) for r in readings]
-    return readings
+    return tuple(readings)

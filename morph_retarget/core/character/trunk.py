@@ -173,6 +173,8 @@ def _leads_back(body: Body, start: int, line: Sequence[int], head: int | None) -
     chain = _chain(evidence, start)
     if any(body.partner[b] >= 0 for b in chain) or (len(chain) < 2 and not _to_tail(evidence, start)):
         return False
+    if any(evidence.by_name[b] >= 0 or evidence.readings[b].has(Sense.NECK, Sense.HEAD) for b in chain):
+        return False  # a rest that is bent may have a leg behind, or look like an animal from behind
     forward = body.points[head] - body.points[line[0]]
     back = body.points[max(chain, key=lambda b: len(evidence.tree.ancestors[b]))] - body.points[line[0]]
     level = forward[:2] @ back[:2] < 0.0 and np.linalg.norm(back[:2]) > 0.1
@@ -219,6 +221,7 @@ def _may_end(evidence: Evidence, head: int, bone: int) -> bool:
     reading = evidence.readings[bone]
     return (
         bone != head
+        and evidence.by_name[bone] < 0  # what names call left or right is a limb that was not seen
         and not evidence.thing[bone]
         and not reading.has(Sense.MOUTH, Sense.FACE, Sense.EYE, Sense.JAW, Sense.ROOT)
     )

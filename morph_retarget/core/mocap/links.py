@@ -105,7 +105,7 @@ class _Builder:
     def joint(self, name: str, above: str | None) -> str | None:
         """Add a canonical joint that both have; return its name, or ``above`` when one lacks it."""
         a, b = self.source.bone(name), self.target.bone(name)
-        if a is None or b is None or not self._free(b):
+        if a is None or b is None or not self.is_free(b):
             return above
         self.append(name, _Entry(b, (a, a), 0.0, above))
         return name
@@ -119,7 +119,7 @@ class _Builder:
     ) -> str | None:
         """Add target bones at their places (0 … 1) along the source bones at theirs; return the last one's name."""
         for i, (place, bone) in enumerate(target):
-            if not self._free(bone):
+            if not self.is_free(bone):
                 continue
             own = f"{name}[{i}]"
             self.append(own, _Entry(bone, *_between(source, place), above))
@@ -132,7 +132,8 @@ class _Builder:
         if entry.above is not None and self.entries[entry.above].after is None:
             self.entries[entry.above].after = name
 
-    def _free(self, bone: int) -> bool:
+    def is_free(self, bone: int) -> bool:
+        """Return whether no link moves a bone of the target yet."""
         return all(entry.target != bone for entry in self.entries.values())
 
     def points_to(self, name: str, after: str | None) -> None:
@@ -260,6 +261,8 @@ def _add_spine(builder: _Builder, along: Sequence[tuple[float, int]], own: Seque
     names = {m.bone: j for j, m in builder.target.joints.items() if j in ("spine", "chest", "upperChest")}
     above = "hips"
     for i, bone in enumerate(own, 1):
+        if not builder.is_free(bone):
+            continue  # the hips of a body in two trees are those of the half with the head
         name = names.get(builder.target.skeleton.names[bone], f"spine[{i}]")
         builder.append(name, _Entry(bone, *_between(along, i / len(own)), above))
         above = name
