@@ -161,4 +161,4 @@ def _twisted(stem: Stem, body: Array, goals: Array, share: Array) -> Array:
     cosine = (share * (quat.dot(tips, goals) - ahead + stem.faint)).sum(axis=-1)
     angle = np.arctan2(sine, np.where((sine == 0.0) & (cosine == 0.0), 1.0, cosine))
     angle = angle * (0.5 + 0.5 * np.cos(angle))
-    return quat.to_matrix(quat.from_axis_angle(axis[:, 0], angle))
+    return rotation.about(axis[:, 0], angle)

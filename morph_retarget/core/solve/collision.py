@@ -152,7 +152,7 @@ def free(obstacles: Obstacles, starts: Array, turned: Array, around: tuple[Array
             continue
         frames = _Frames.of(obstacles, starts[hit], turned[hit], around[0][hit], around[1][hit])
         angles = frames.angles()
-        turns = quat.to_matrix(quat.from_axis_angle(frames.axes, angles))
+        turns = rotation.about(frames.axes, angles)
         own = turns[:, :, None] @ turned[hit]
         out = turned.copy() if out is turned else out
         out[hit] = np.where((angles != 0.0)[..., None, None, None], own, turned[hit])

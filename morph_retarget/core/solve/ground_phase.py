@@ -185,7 +185,7 @@ def _up(body: _Body, joint: Array, turned: Array, root: Array, size: float) -> A
     counts = 1.0 - smooth_step(behind, 0.0, BEHIND)
     angle = np.maximum(np.where(low, counts * up, 0.0).max(axis=1), 0.0)
     axis = np.stack([ahead[:, 1], -ahead[:, 0], np.zeros(len(ahead))], axis=-1)
-    return quat.to_matrix(quat.from_axis_angle(axis, angle))
+    return rotation.about(axis, angle)
 
 
 # --- which bodies ---

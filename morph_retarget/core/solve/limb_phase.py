@@ -137,9 +137,24 @@ class Limbs:
         return free / np.maximum(free.sum(axis=-1, keepdims=True), 1.0)
 
     @cached_property
+    def ease(self) -> Array:
+        """Where limbs point when they are at ease, unit vectors, shape (limb, 3).
+
+        That is half way from where they rest to where their ends go when they fold, in front of the body. Knees lead,
+        and so legs fold to behind it: theirs is where they rest.
+        """
+        fold = quat.unit(self.hints - quat.dot(self.hints, self.lines)[:, None] * self.lines)
+        return np.where(self.hints[:, 1:2] < 0.0, self.lines, quat.unit(self.lines - fold))
+
+    @cached_property
+    def limits(self) -> Array:
+        """From which shares of their lengths on limbs slow down, and how far they reach, shape (2, limb)."""
+        return np.array([(own.slow_down, own.full_reach) for own in self.settings]).T
+
+    @cached_property
     def _slowing(self) -> tuple[Array, Array]:
         """From where on limbs slow down, and how far they get from there [m], shapes (limb,)."""
-        slow_down, full_reach = np.array([(own.slow_down, own.full_reach) for own in self.settings]).T
+        slow_down, full_reach = self.limits
         soft = np.maximum(slow_down * self.full, self.chords)
         return soft, np.maximum(full_reach * self.full - soft, 1e-9 * self.full)
 
@@ -165,17 +180,18 @@ class Limbs:
         return np.minimum(away, soft) - room * np.expm1(-beyond / room)
 
     def half_way(self, vectors: Array) -> Array:
-        """Return half turns about what lies between vectors and the rest lines, shape (frame, limb, 3, 3).
+        """Return half turns about what lies between vectors and the rest lines, shape (..., limb, 3, 3).
 
         One from the end and one to the goal make the smallest rotations over the rest line, so that only goals straight
         behind that are singular, whatever the bend.
         """
         lengths = quat.length(vectors)[..., None]
         between = self.lines + vectors / np.maximum(lengths, 1e-9)
-        odd = quat.dot(between, between) < 1e-9
+        squares = quat.dot(between, between)
+        odd = squares < 1e-9
         if odd.any():
-            between[odd] = np.broadcast_to(self.aside, between.shape)[odd]
-        return rotation.half_turn(between)
+            between[odd], squares[odd] = np.broadcast_to(self.aside, between.shape)[odd], 1.0
+        return rotation.half_turn(between, squares)
 
     @cached_property
     def top(self) -> Array:
@@ -203,10 +219,11 @@ class Limbs:
     def turns(self, shape: Array) -> Array:
         """Return the smallest rotations from rest that give the bones directions, shape (frame, limb, joint, 3, 3)."""
         between = shape + self.directions
-        odd = quat.dot(between, between) < 1e-12
+        squares = quat.dot(between, between)
+        odd = squares < 1e-12
         if odd.any():
-            between[odd] = np.broadcast_to(self.aside[:, None], shape.shape)[odd]
-        return np.matmul(rotation.half_turn(between), self._half_turns)
+            between[odd], squares[odd] = np.broadcast_to(self.aside[:, None], shape.shape)[odd], 1.0
+        return np.matmul(rotation.half_turn(between, squares), self._half_turns)
 
 
 def solve(limbs: Limbs, goals: Array, influence: Array | float = 1.0) -> Array:
@@ -234,10 +251,10 @@ def aimed(limbs: Limbs, goals: Array, directions: Array, ends: Array, influence:
         ends: Where the bones lead [m], shape (frame, limb, 3).
         influence: See `solve`.
     """
-    aim = limbs.half_way(ends)
+    aim, onward = limbs.half_way(np.stack([ends, goals]))
     if limbs.swivels is not None:  # here the ends are on the rest lines
-        aim = np.matmul(quat.to_matrix(quat.from_axis_angle(limbs.lines, influence * limbs.swivels)), aim)
-    aim = np.matmul(limbs.half_way(goals), aim)
+        aim = np.matmul(rotation.about(limbs.lines, influence * limbs.swivels), aim)
+    aim = np.matmul(onward, aim)
     return np.matmul(aim[:, :, None], limbs.turns(directions))
 
 

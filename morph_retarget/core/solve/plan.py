@@ -56,7 +56,7 @@ class Wave:
     elastic: Elastic | None = None
     """What of them may stretch, None when nothing may."""
 
-    @property
+    @cached_property
     def ends(self) -> list[int]:
         """The bodies at the ends of the limbs; none for a stem, whose last bone leads to no single one."""
         return [limb.body for limb in self.limbs] if self.stem is None else []
@@ -204,6 +204,18 @@ class Plan:
         return out
 
     @cached_property
+    def posed(self) -> Mapping[Wave, list[list[int]]]:
+        """For each wave its limbs whose joints all have turns of their own, those of as many joints together."""
+        out: dict[Wave, list[list[int]]] = {}
+        for wave in self.waves:
+            alike: dict[int, list[int]] = {}
+            for i, limb in enumerate(wave.limbs):
+                if all(joint in self.turned for joint in limb.joints):
+                    alike.setdefault(len(limb.joints), []).append(i)
+            out[wave] = list(alike.values())
+        return out
+
+    @cached_property
     def riders(self) -> Mapping[int, int]:
         """Bodies with turns of their own that hang on joints of limbs, as twist bones do, and on which."""
         moved = {body for wave in self.waves for limb in wave.limbs for body in (*limb.joints, limb.body)}
@@ -230,6 +242,21 @@ class Plan:
         """From what carries each leader to it at rest [m], shape (leader, 3)."""
         order = np.array(self.order)
         return self.rest[order] - self.rest[order[self.carriers]]
+
+    @cached_property
+    def anchored(self) -> Array:
+        """Where the anchors rest [m], shape (anchor, 3)."""
+        return self.rest[[self.order[i] for i in self.anchors]]
+
+    @cached_property
+    def ways(self) -> dict[int, Array]:
+        """From what carries each leader to it at rest [m], shapes (3,); none to roots."""
+        return {leader: self.rest[leader] - self.rest[above] for leader, above in self.above.items() if above != NONE}
+
+    @cached_property
+    def away(self) -> Array:
+        """From the leader of each body to it at rest [m], shape (body, 3)."""
+        return self.rest - self.rest[self.leaders]
 
     @cached_property
     def lines(self) -> Array:

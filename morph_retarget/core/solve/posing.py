@@ -67,16 +67,16 @@ class BodyPose:
         # From what carries it to each leader; the root is where it was brought, whatever carries it.
         offsets = plan.offsets if self.stretched is None else plan.offsets + self.stretched
         steps = rotation.apply(self.rotations.take(plan.carriers, axis=1), offsets)
-        steps[:, plan.anchors] = plan.rest[[plan.order[i] for i in plan.anchors]]
-        steps[:, plan.order.index(plan.root)] += self.moved
+        steps[:, plan.anchors] = plan.anchored
+        steps[:, plan.led_by[plan.root]] += self.moved
         return np.matmul(plan.lines, steps)
 
     @cached_property
     def positions(self) -> Array:
         """Of the bodies' joints [m], shape (frame, body, 3)."""
         plan = self.plan
-        away = rotation.apply(self.rotations[:, plan.led_by], plan.rest - plan.rest[plan.leaders])
-        return self.places[:, plan.led_by] + away
+        away = rotation.apply(self.rotations.take(plan.led_by, axis=1), plan.away)
+        return self.places.take(plan.led_by, axis=1) + away
 
     @cached_property
     def shifts(self) -> Array | None:
@@ -213,7 +213,8 @@ def _reach(state: State, wave: Wave) -> None:
     influence = goals.position_influence.take(wave.goals, axis=1)
     whole = rotation.apply(rotation.transposed(carried), goals.positions.take(wave.goals, axis=1) - places)
     bases, along, factors = base_phase.of_wave(state, wave), whole, None
-    is_posed = base_phase.are_all(bases, wave)
+    is_whole = base_phase.are_whole(bases, wave)
+    is_posed = is_whole and base_phase.are_all(bases, wave)
     if is_posed:
         turned = np.broadcast_to(rotation.IDENTITY, (*whole.shape[:2], wave.chains.segments.shape[1], 3, 3))
     else:
@@ -221,7 +222,7 @@ def _reach(state: State, wave: Wave) -> None:
         own, factors = _solved(wave, along, influence)
         turned = np.matmul(carried[:, :, None], own)
     if bases:
-        alone = turned if is_posed else _twisted(state, wave, turned)
+        alone = turned if is_whole else _twisted(state, wave, turned)
         turned, factors = base_phase.brought(bases, wave, carried, whole, influence, alone, factors)
     if wave.obstacles is not None:
         turned = _freed(state, wave, wave.obstacles, places, turned, factors)
@@ -238,7 +239,7 @@ def _reach(state: State, wave: Wave) -> None:
         for link in wave.elastic.links:
             segment = wave.chains.segments[link.limb, link.place]
             state.draw(link.joint, link.end, factors[:, link.limb, link.place], segment)
-    posed = {base.limb for base in bases}
+    posed = {limb for base in bases for limb in base.limbs.tolist()}
     for i, body in enumerate(wave.ends):
         if body in state.plan.detached:
             # One that was posed goes from there, so what its limb leaves to it counts as far as its goal does.

@@ -4,7 +4,6 @@ All is in the frame of what carries the spine, with the first joint as origin; s
 frames. Pieces of different numbers of bones are one batch; the shorter ones start with bones of no length.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,9 +13,9 @@ from .. import quat, rotation
 from ..arrays import Array, Flags, Indices
 from .constraints import TINY, smooth_step
 from .limb_phase import BENT, STRAIGHT, Limbs
-from .limb_settings import LimbSettings
 from .settings import SolverSettings
-from .spine_lines import angles, tangents
+from .spine_lines import angles, steps, tangents
+from .spine_pulls import Pull, PulledNode
 from .spline import Splines
 
 BACK = np.array([0.0, 1.0, 0.3])
@@ -25,61 +24,10 @@ STRETCHED = 0.999
 """Share of its length to which a piece of the spine is stretched."""
 LEVEL = 1e-3
 """Angle by which a spine that is taken for straight may bend the other way [rad]."""
+FOLD = np.radians(100.0)
+"""Up to here a piece turns against the one before it as it is wanted; beyond, the less, and by half a turn not."""
 FAINT = 1e-9
 """Share of the spine's length below which a bone has no direction."""
-
-
-@dataclass(frozen=True, eq=False)
-class Pull:
-    """A limb that pulls at a branch point."""
-
-    node: int
-    joint: int
-    """The joint whose bone carries it."""
-    start: Array
-    """Where it starts, from that joint at rest [m], shape (3,)."""
-    chord: float
-    """From there to its end at rest [m]."""
-    full: float
-    """Length when it is stretched [m] …"""
-    least: float
-    """… and when it is folded up."""
-    holds: bool = False
-    """Whether its goal counts more than those of the spine: feet stay where they stand."""
-    settings: LimbSettings = field(default=LimbSettings())
-
-    @property
-    def begin(self) -> float:
-        """Distance of its goal from which on it pulls [m]."""
-        return max(self.settings.spine_start * self.full, self.chord)
-
-    @property
-    def reach(self) -> float:
-        """Up to where it reaches its goal without slowing down [m]."""
-        return max(self.settings.slow_down * self.full, self.chord)
-
-
-@dataclass(frozen=True, eq=False)
-class PulledNode:
-    """The limbs that pull at a branch point."""
-
-    pulls: Indices
-    """Their places among all that pull, shape (limb,)."""
-    start: Array
-    """Distance of their goals from which on they pull [m], shape (limb,)."""
-    full: Array
-    """Distance from which on they pull with all that is missing [m], shape (limb,)."""
-    least: Array
-    """Distance below which they push [m], shape (limb,)."""
-
-    @classmethod
-    def of(cls, pulls: Sequence[Pull], node: int, shrink: float) -> "PulledNode":
-        """Return those of a node."""
-        own = [i for i, pull in enumerate(pulls) if pull.node == node]
-        chord: Array = np.array([pulls[i].chord for i in own])
-        full: Array = np.array([pulls[i].full for i in own])
-        start: Array = np.array([pulls[i].begin for i in own])
-        return cls(np.array(own, dtype=np.intp), start, full, shrink * chord)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,9 +55,24 @@ class Spine:
         return np.array([pull.settings.pull for pull in self.pulls])
 
     @cached_property
+    def pull_joints(self) -> Indices:
+        """The joints whose bones carry the limbs that pull, shape (pull,)."""
+        return np.array([pull.joint for pull in self.pulls], dtype=np.intp)
+
+    @cached_property
+    def pull_points(self) -> Indices:
+        """The points that they pull at, shape (pull,)."""
+        return np.array([self.nodes[pull.node] for pull in self.pulls], dtype=np.intp)
+
+    @cached_property
+    def pull_starts(self) -> Array:
+        """Where they start, from the joints that carry them at rest [m], shape (pull, 3)."""
+        return np.array([pull.start for pull in self.pulls]).reshape(-1, 3)
+
+    @cached_property
     def twist_shares(self) -> Array:
         """Share of the twist of its branch point that the bone which carries each limb takes, shape (pull,)."""
-        joints, nodes = [pull.joint for pull in self.pulls], [pull.node for pull in self.pulls]
+        joints, nodes = self.pull_joints, [pull.node for pull in self.pulls]
         share = self.middles[joints]
         return np.where(self.bone_of[0][joints] < nodes, share, 1.0 - share)
 
@@ -217,10 +180,15 @@ class Spine:
         joints: Indices = np.arange(len(self.segments))
         return some[np.maximum(np.searchsorted(some, joints, side="right") - 1, 0)] if len(some) else joints
 
+    @cached_property
+    def leading_bones(self) -> Indices:
+        """The same, by its place among the bones of all pieces."""
+        piece, place = self.bone_of
+        return (piece * self.rows[:, 1:].shape[1] + place)[self.leading]
+
     def of_bones(self, directions: Array) -> Array:
         """Return directions of the joints from those of the bones of pieces, (frame, piece, bone, 3)."""
-        piece, place = self.bone_of
-        return directions[:, piece[self.leading], place[self.leading]]
+        return directions.reshape(len(directions), -1, 3).take(self.leading_bones, axis=1)
 
     @cached_property
     def middles(self) -> Array:
@@ -260,7 +228,7 @@ class Rest:
     @cached_property
     def constraints(self) -> Array:
         """From each branch point to the next, shape (frame, piece, 3)."""
-        return np.diff(self.nodes, axis=1)
+        return steps(self.nodes)
 
     @cached_property
     def chords(self) -> Array:
@@ -270,8 +238,7 @@ class Rest:
     @cached_property
     def starts(self) -> Array:
         """Where the limbs that pull start, from their branch points [m], shape (frame, pull, 3)."""
-        joints, nodes = [p.joint for p in self.spine.pulls], [self.spine.nodes[p.node] for p in self.spine.pulls]
-        own = np.array([p.start for p in self.spine.pulls]).reshape(-1, 3)
+        joints, nodes, own = self.spine.pull_joints, self.spine.pull_points, self.spine.pull_starts
         return self.points[:, joints] + rotation.apply(self.turns[:, joints], own) - self.points[:, nodes]
 
     def drawn_in(self, goals: Array) -> Array:
@@ -329,6 +296,11 @@ class Rest:
         return quat.unit(self.constraints)
 
     @cached_property
+    def backs(self) -> Array:
+        """Half turns about them, shape (frame, piece, 3, 3)."""
+        return rotation.half_turn(self.axes)
+
+    @cached_property
     def bows(self) -> Array:
         """How bones lead off the constraints of their pieces, square to these, shape (frame, piece, bone, 3)."""
         bones = rotation.apply(self.piece_turns, self.spine.pieces.directions)
@@ -353,6 +325,11 @@ class Rest:
         own = self.constraints
         before = np.concatenate([own[:, :1], own[:, :-1]], axis=1)
         return angles(before, own)
+
+    @cached_property
+    def levels(self) -> Array:
+        """Cosines of the angles from which on pieces fold over against those before them, shape (frame, piece)."""
+        return np.cos(np.maximum(FOLD - self.folds, 0.0))
 
     @property
     def is_turned(self) -> bool:

@@ -5,18 +5,62 @@ start to end. Of a chain with many bones those that lead far off the line anyway
 none turns over; small angles are multiplied as they are.
 """
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 
 from .. import quat
-from ..arrays import Array
+from ..arrays import Array, Flags
+from . import spanning
 from .constraints import TINY
 
-STEPS = 24
-"""Most steps; a few are enough for all that can be reached."""
-EXACT = 1e-10
-"""Error of a squared distance that is left, as a share of the square of the chain's length."""
 FOLD = float(np.tan(0.97 * 0.5 * np.pi))
 """Tangent of half the angle by which no bone turns farther from the line."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Tangents:
+    """Chains of which the tangents of half the angles between bones and the line are multiplied by a number's root."""
+
+    halves: Array
+    """Square to the line, as long as these tangents, shape (row, bone, 3)."""
+    squares: Array
+    """Of the tangents, shape (row, bone)."""
+    lengths: Array
+    """Of the bones [m], shape (row, bone)."""
+
+    def at(self, rows: Flags) -> "_Tangents":
+        """Return some of the chains."""
+        return _Tangents(self.halves[rows], self.squares[rows], self.lengths[rows])
+
+    def spans(self, number: Array) -> tuple[Array, Callable[[], Array]]:
+        """Return the squares of their distances and what tells the slopes, see `spanning.Bend`."""
+        share = self.lengths / (1.0 + number[:, None] * self.squares)
+        along = 2.0 * share.sum(axis=-1) - self._full
+        across = np.matmul(share[:, None], self._wholes)[:, 0]
+        sides = quat.dot(across, across)
+
+        def slope() -> Array:
+            # By how much shares, and what they lead to, get less.
+            change = share * share * self._losses
+            aside = np.matmul(change[:, None], self._wholes)[:, 0]
+            return sides - 4.0 * along * change.sum(axis=-1) - 2.0 * number * quat.dot(across, aside)
+
+        return along * along + number * sides, slope
+
+    @cached_property
+    def _full(self) -> Array:
+        return self.lengths.sum(axis=-1)
+
+    @cached_property
+    def _wholes(self) -> Array:
+        return 2.0 * self.halves
+
+    @cached_property
+    def _losses(self) -> Array:
+        return self.squares / np.maximum(self.lengths, TINY)
 
 
 def close(shape: Array, lengths: Array, axis: Array, distance: Array) -> Array:
@@ -30,45 +74,16 @@ def close(shape: Array, lengths: Array, axis: Array, distance: Array) -> Array:
         axis: Unit vectors along which the chains reach, shape (frame or 1, chain, 3).
         distance: Between start and end [m], shape (frame, chain).
     """
-    along = quat.dot(shape, axis[..., None, :])
+    line, bones = axis[..., None, :], shape.shape[-2]
+    along = quat.dot(shape, line)
     # Square to the line, as long as the tangents of half the angles.
-    halves = (shape - along[..., None] * axis[..., None, :]) / np.maximum(1.0 + along, 1e-6)[..., None]
+    halves = (shape - along[..., None] * line) / np.maximum(1.0 + along, 1e-6)[..., None]
     squares = quat.dot(halves, halves)
-    factor = _factor(halves, squares, lengths, distance)[..., None]
-    share = 1.0 / (1.0 + factor * squares)
-    sides = (2.0 * np.sqrt(factor) * share)[..., None] * halves
-    return (2.0 * share - 1.0)[..., None] * axis[..., None, :] + sides
-
-
-def _factor(halves: Array, squares: Array, lengths: Array, distance: Array) -> Array:
-    """Return the square of what the tangents of each chain are multiplied by, shape (frame, chain).
-
-    Newton's method: the square of the distance is nearly a linear function of it; kept between bounds that close in, by
-    bisection where a step would leave them.
-    """
-    full = lengths.sum(axis=-1)
-    low: Array = np.zeros_like(distance)
-    high: Array = FOLD**2 / np.maximum((squares * (lengths > 0.0)).max(axis=-1), TINY)
-    found: Array = np.minimum(high, 1.0)
-    square, close_enough = np.minimum(distance, full) ** 2, EXACT * full * full
-    for _ in range(STEPS):
-        share = lengths / (1.0 + found[..., None] * squares)
-        along = 2.0 * share.sum(axis=-1) - full
-        across = 2.0 * np.matmul(share[..., None, :], halves)[..., 0, :]
-        excess = along * along + found * quat.dot(across, across) - square
-        # What is there stays as it is, to the bit, however long other frames take.
-        open_ = np.abs(excess) > close_enough
-        if not open_.any():
-            break
-        # How shares, and what they lead to, change with the factor.
-        change = -share * share / np.maximum(lengths, TINY) * squares
-        aside = 2.0 * np.matmul(change[..., None, :], halves)[..., 0, :]
-        slope = 4.0 * along * change.sum(axis=-1)
-        slope += quat.dot(across, across) + 2.0 * found * quat.dot(across, aside)
-        # Behind its shortest a chain gets longer again: there is no way there.
-        too_long = (excess > 0.0) & (slope < 0.0)
-        low, high = np.where(too_long, found, low), np.where(too_long, high, found)
-        step = np.maximum(found - excess / np.minimum(slope, -TINY), 0.0)
-        inside = (step >= low) & (step <= high)
-        found = np.where(open_, np.where(inside, step, 0.5 * (low + high)), found)
-    return found
+    most = FOLD**2 / np.maximum((squares * (lengths > 0.0)).max(axis=-1), TINY)
+    own = np.empty_like(squares)
+    own[:] = lengths
+    bend = _Tangents(halves.reshape(-1, bones, 3), squares.reshape(-1, bones), own.reshape(-1, bones))
+    number = spanning.number(bend, most.ravel(), distance.ravel()).reshape(distance.shape)[..., None]
+    share = 1.0 / (1.0 + number * squares)
+    sides = (2.0 * np.sqrt(number) * share)[..., None] * halves
+    return (2.0 * share - 1.0)[..., None] * line + sides

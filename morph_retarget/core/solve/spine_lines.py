@@ -18,12 +18,29 @@ def carried(rest: Array, posed: Array) -> Array:
     Returns:
         Rotation matrices, shape (frame, place, 3, 3).
     """
-    out = np.empty((*posed.shape, 3))
-    out[:, 0] = turn = rotation.between(np.broadcast_to(rest[:, 0], posed[:, 0].shape), posed[:, 0])
-    for i in range(1, posed.shape[1]):
-        step = rotation.between(rotation.apply(turn, rest[:, i]), posed[:, i])
-        out[:, i] = turn = np.matmul(step, turn)
+    out, back = np.empty((*posed.shape, 3)), rotation.half_turn(rest)
+    turn = rotation.IDENTITY[None]
+    for i in range(posed.shape[1]):
+        out[:, i] = turn = led(turn, rest[:, i], back[:, i], posed[:, i])
     return out
+
+
+def led(turn: Array, rest: Array, back: Array, posed: Array) -> Array:
+    """Return turns that go on by the smallest rotations that take what they carry to where it is.
+
+    Args:
+        turn: Shape (..., 3, 3).
+        rest: Directions that it carries, at rest, unit vectors, shape (..., 3).
+        back: Half turns about these, shape (..., 3, 3).
+        posed: Where they lead now, unit vectors, shape (..., 3).
+    """
+    # To turn and then half about where a direction leads now is to turn half about where it led, and then to turn.
+    return np.matmul(rotation.half_way(rotation.apply(turn, rest), posed), np.matmul(turn, back))
+
+
+def steps(at: Array) -> Array:
+    """Return the ways from each point to the next, shape (frame, point - 1, 3)."""
+    return at[:, 1:] - at[:, :-1]
 
 
 def tangents(at: Array, first: Array) -> Array:

@@ -17,7 +17,8 @@ from ..arrays import Array, Flags
 from . import constraints, spine_reach, spine_shape, spine_stretching
 from .constraints import TINY
 from .spine import Rest
-from .spine_lines import angles
+from .spine_lines import angles, steps
+from .spine_pulls import PulledNode
 from .spine_shape import Bent
 from .spine_wanted import Wanted
 
@@ -32,6 +33,36 @@ EAGER = 1.8
 """By how much more than limbs fall short branch points give way: what else holds the spine takes part of it back."""
 LEVER = 0.05
 """Share of the spine's length below which a limb's start is too near to the spine to twist it."""
+_STAYS = np.zeros((1, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class _Pulls:
+    """Limbs that pull at a branch point."""
+
+    own: PulledNode
+    ends: Array
+    """Their goals, less where they start from the branch point [m], shape (frame, limb, 3)."""
+    weights: Array
+    """How much they count, shape (frame, limb)."""
+
+    @classmethod
+    def of(cls, rest: Rest, wanted: Wanted, node: int) -> "_Pulls":
+        """Return those of a branch point."""
+        own = rest.spine.pulled[node]
+        ends = wanted.goals.take(own.pulls, axis=1) - rest.starts.take(own.pulls, axis=1)
+        return cls(own, ends, wanted.weights.take(own.pulls, axis=1))
+
+    def ways(self, particle: Array) -> Array:
+        """Return how far they move the branch point [m], shape (frame, limb, 3).
+
+        Args:
+            particle: Where it is [m], shape (frame or 1, 3).
+        """
+        away = self.ends - particle[:, None]
+        distance = quat.length(away)
+        error = constraints.beyond(distance, self.own.start, self.own.full, self.own.least)
+        return (self.weights * error / np.maximum(distance, TINY))[..., None] * away
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +84,8 @@ class _Work:
 
     def at(self, rows: Flags) -> "_Work":
         """Return it in some frames."""
+        if rows.all():
+            return self
         some = (self.most, self.stretched, self.starts)
         most, stretched, starts = (own if len(own) == 1 else own[rows] for own in some)
         rest, wanted = self.rest.at(rows), self.wanted.at(rows)
@@ -112,7 +145,7 @@ def _stirred(rest: Rest, wanted: Wanted) -> Flags:
     for node in rest.spine.pulled:
         if out.all():
             break
-        out |= np.abs(_pulled(rest, wanted, rest.nodes, node)).max(axis=(1, 2)) > tiny
+        out |= np.abs(_Pulls.of(rest, wanted, node).ways(rest.nodes[:, node])).max(axis=(1, 2)) > tiny
     return out
 
 
@@ -130,14 +163,14 @@ def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
     free = 1.0 - wanted.pinned[..., None]
     free[:, 0] = 0.0
     shares = free[:, 1:] / np.maximum(free[:, 1:] + free[:, :-1], TINY)
-    pinned = [bool(own.any()) for own in wanted.pinned.T]
     width = settings.softness * rest.chords
+    pulls = {node: _Pulls.of(rest, wanted, node) for node in spine.pulled}
     for turn in range(settings.outer_iterations):
         for node in range(count - 1, 0, -1):
-            own, way = particles[:, node], np.zeros((1, 3))
-            if node in spine.pulled:
-                way = constraints.together(_pulled(rest, wanted, particles, node))
-            if pinned[node]:
+            own, way = particles[:, node], _STAYS
+            if node in pulls:
+                way = constraints.together(pulls[node].ways(own))
+            if wanted.asked[node]:
                 way = way + wanted.pinned[:, node, None] * (wanted.pins[:, node] - own - way)
             change = constraints.corrections(
                 particles[:, node - 1], own + way, rest.chords[:, node - 1], width[:, node - 1]
@@ -149,6 +182,8 @@ def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
         if turn % 2:  # twice in five is enough to see it fold
             _unbuckle(rest, particles)
     for node in range(1, count):  # where goals do not say how near they come, pieces bow as much as they are moved
+        if not free[:, node].any():
+            continue
         away = particles[:, node] - particles[:, node - 1]
         kept = away * (rest.chords[:, node - 1] / np.maximum(quat.length(away), TINY))[:, None]
         start = particles[:, node - 1] + kept
@@ -156,23 +191,15 @@ def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
         wanted.carry(particles, node, free[:, node] * way)
 
 
-def _pulled(rest: Rest, wanted: Wanted, particles: Array, node: int) -> Array:
-    """Return how far limbs move their branch point, shape (frame, limb, 3)."""
-    own = rest.spine.pulled[node]
-    away = wanted.goals[:, own.pulls] - rest.starts[:, own.pulls] - particles[:, node, None]
-    distance = quat.length(away)
-    error = constraints.beyond(distance, own.start, own.full, own.least)
-    return (wanted.weights[:, own.pulls] * error / np.maximum(distance, TINY))[..., None] * away
-
-
 def _unbuckle(rest: Rest, particles: Array) -> None:
     """Pull branch points back to the root-relative rest pose where a constraint folds over against its neighbour."""
     settings = rest.spine.settings
-    along = np.diff(particles, axis=1)
-    before = np.concatenate([np.broadcast_to(rest.constraints[:, :1], along[:, :1].shape), along[:, :-1]], axis=1)
+    lines = np.empty_like(particles)
+    lines[:, 0], lines[:, 1:] = rest.constraints[:, 0], steps(particles)
+    before, along, sizes = lines[:, :-1], lines[:, 1:], quat.length(lines)
     low, high = np.radians(settings.buckling_start), np.radians(settings.buckling_full)
     # Mostly nothing folds: no constraint leads far off the one before it.
-    if (quat.dot(before, along) > np.cos(0.5 * low) * quat.length(before) * quat.length(along)).all():
+    if (quat.dot(before, along) > np.cos(0.5 * low) * sizes[:, :-1] * sizes[:, 1:]).all():
         return
     fold = angles(before, along) - rest.folds
     if (fold > low).any():
@@ -192,19 +219,18 @@ def _short(work: _Work, bent: Bent) -> tuple[Array, Array, Array, Array]:
     rest, wanted = work.rest, work.wanted
     spine, turns = rest.spine, bent.turns
     segments = spine.segments if bent.factors is None else bent.factors[..., None] * spine.segments
-    bones = np.cumsum(rotation.apply(turns, segments), axis=1)
-    places = np.concatenate([np.zeros((len(bones), 1, 3)), bones], axis=1)
-    joints = [pull.joint for pull in spine.pulls]
-    arms = rotation.apply(turns[:, joints], np.array([pull.start for pull in spine.pulls]))
-    away = wanted.goals - places[:, joints] - arms
+    places = np.zeros((len(turns), len(spine.points), 3))
+    rotation.apply(turns, segments).cumsum(axis=1, out=places[:, 1:])
+    arms = rotation.apply(turns.take(spine.pull_joints, axis=1), spine.pull_starts)
+    starts = places.take(spine.pull_joints, axis=1) + arms
+    away = wanted.goals - starts
     distance = quat.length(away)
     error = np.maximum(distance - spine.reach, 0.0) + np.minimum(distance - spine.folded, 0.0)
     # What is out of reach anyway pulls no harder than what is just beyond.
     error = error / np.sqrt(1.0 + (error / (FAR * spine.size)) ** 2)
     share = wanted.weights * error / np.maximum(distance, TINY)
-    nodes = [spine.nodes[pull.node] for pull in spine.pulls]
     missed = wanted.pinned[:, -1] * quat.length(places[:, spine.nodes[-1]] - wanted.pins[:, -1])
-    return share[..., None] * away, arms, places[:, joints] + arms - places[:, nodes], missed
+    return share[..., None] * away, arms, starts - places.take(spine.pull_points, axis=1), missed
 
 
 def _given_way(work: _Work, short: Array, arms: Array, share: Array) -> _Work:

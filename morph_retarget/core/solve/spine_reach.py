@@ -11,18 +11,14 @@ from .. import quat, rotation
 from ..arrays import Array
 from . import constraints, spine_closing, spine_stretching
 from .constraints import TINY
-from .spine import Rest
-from .spine_lines import angles, carried
+from .spine import FOLD, Rest
+from .spine_lines import angles, carried, steps
 from .spine_wanted import Wanted
 
 PASSES = 2
 """How often branch points are brought within reach of each other, inward and outward."""
-FOLD = np.radians(100.0)
-"""Up to here a piece turns against the one before it as it is wanted; beyond, the less, and by half a turn not."""
-
 BOW = 1.0
 """How much a piece bows, as the square root of the share by which it is shorter, for a way of all of its length."""
-
 SLOW = 0.999
 """Share of its length from which on the spine slows down toward goals that it cannot reach."""
 
@@ -41,7 +37,8 @@ def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Ar
     count = out.shape[1]
     for _ in range(PASSES if count > 2 else 1):
         for node in range(count - 1, 0, -1):
-            wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
+            if wanted.asked[node]:
+                wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
             if node > 1:
                 way = _apart(out[:, node], out[:, node - 1], rest.least[:, node - 1], most[:, node - 1])
                 out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
@@ -92,28 +89,27 @@ def _apart(held: Array, moved: Array, least: Array, most: Array) -> Array:
 
 def _outward(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
     """Bring each branch point within reach of the one before it, and to where its piece does not fold over."""
+    before, size = rest.constraints[:, 0], rest.chords[:, 0]
     for node in range(1, particles.shape[1]):
-        held, piece = particles[:, node - 1], node - 1
-        away = particles[:, node] - held
-        distance = quat.length(away)
-        least = rest.least[:, piece]
+        piece = node - 1
+        away = particles[:, node] - particles[:, piece]
+        distance, least = quat.length(away), rest.least[:, piece]
         reach = np.minimum(np.maximum(distance, least), most[:, piece])
-        before = rest.constraints[:, 0] if node == 1 else held - particles[:, node - 2]
-        level = np.cos(np.maximum(FOLD - rest.folds[:, piece], 0.0)) * quat.length(before) * distance
-        came = held + (reach / np.maximum(distance, TINY))[:, None] * away
-        folded = (quat.dot(np.broadcast_to(before, away.shape), away) < level) | (distance < least)
+        came = (reach / np.maximum(distance, TINY))[:, None] * away
+        folded = (quat.dot(before, away) < rest.levels[:, piece] * size * distance) | (distance < least)
         if folded.any():
             home = _carried(rest, particles, piece)
-            turned = held + reach[:, None] * _unfolded(away, home, distance / np.maximum(least, TINY))
+            turned = reach[:, None] * _unfolded(away, home, distance / np.maximum(least, TINY))
             came = np.where(folded[:, None], turned, came)
-        wanted.carry(particles, node, came - particles[:, node])
+        wanted.carry(particles, node, came - away)
+        before, size = came, reach
 
 
 def _carried(rest: Rest, particles: Array, piece: int) -> Array:
-    """Return where the pieces before it carry a piece, unit vectors, shape (frame, 3)."""
+    """Return where the pieces before it carry a piece, unit vectors, shape (frame or 1, 3)."""
     if piece == 0:
-        return np.broadcast_to(rest.axes[:, 0], (len(particles), 3))
-    own = quat.unit(np.diff(particles[:, : piece + 1], axis=1))
+        return rest.axes[:, 0]
+    own = quat.unit(steps(particles[:, : piece + 1]))
     return rotation.apply(carried(rest.axes[:, :piece], own)[:, -1], rest.axes[:, piece])
 
 
@@ -122,7 +118,7 @@ def _unfolded(away: Array, home: Array, share: Array) -> Array:
 
     Args:
         away: The ways [m], shape (frame, 3).
-        home: Where they are carried, unit vectors, shape (frame, 3).
+        home: Where they are carried, unit vectors, shape (frame or 1, 3).
         share: Lengths of the ways over the least that they may have, shape (frame,).
     """
     angle = angles(home, away)
@@ -134,9 +130,9 @@ def _unfolded(away: Array, home: Array, share: Array) -> Array:
 def _held_back(rest: Rest, wanted: Wanted, particles: Array, starts: Array, node: int) -> Array:
     """Return how far limbs hold their branch point back that it must not leave behind, shape (frame, limb, 3)."""
     own = rest.spine.pulled[node]
-    away = wanted.goals[:, own.pulls] - starts[:, own.pulls] - particles[:, node, None]
+    away = wanted.goals.take(own.pulls, axis=1) - starts.take(own.pulls, axis=1) - particles[:, node, None]
     distance = quat.length(away)
-    share = wanted.weights[:, own.pulls] * np.maximum(distance - own.full, 0.0)
+    share = wanted.weights.take(own.pulls, axis=1) * np.maximum(distance - own.full, 0.0)
     return (share / np.maximum(distance, TINY))[..., None] * away
 
 
@@ -145,14 +141,16 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Arra
 
     Bringing neighbours within reach, one after the other, gets there only slowly when the spine is nearly straight.
     """
+    if particles.shape[1] - first < 3 or not wanted.asked[-1]:
+        return
     way = wanted.pinned[:, -1, None] * (wanted.pins[:, -1] - particles[:, -1])
     rows = np.flatnonzero(np.abs(way).max(axis=-1) > 1e-9 * rest.spine.size)
-    if particles.shape[1] - first < 3 or not len(rows):
+    if not len(rows):
         return
     own, most = particles[rows, first:], (most if len(most) == 1 else most[rows])[:, first:]
     goal = own[:, -1] + way[rows] - own[:, 0]
     distance = quat.length(goal)
-    along = np.diff(own, axis=1)
+    along = steps(own)
     lengths = np.minimum(quat.length(along), most)
     missing, room = np.maximum(distance - lengths.sum(axis=-1), 0.0), most - lengths
     lengths = lengths + np.minimum(missing / np.maximum(room.sum(axis=-1), TINY), 1.0)[:, None] * room
@@ -162,7 +160,7 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Arra
     chain = spine_closing.close(quat.unit(along)[:, None], lengths[:, None], axis[:, None], distance[:, None])[:, 0]
     ends = (lengths[..., None] * chain).sum(axis=1)
     chain = rotation.apply(rotation.between(quat.unit(ends), axis)[:, None], chain)
-    particles[rows, first + 1 :] = own[:, :1] + np.cumsum(lengths[..., None] * chain, axis=1)
+    particles[rows, first + 1 :] = own[:, :1] + (lengths[..., None] * chain).cumsum(axis=1)
 
 
 def _slowed(distance: Array, chord: Array, full: Array) -> Array:

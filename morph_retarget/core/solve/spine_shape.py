@@ -14,7 +14,7 @@ from ..arrays import Array, Indices
 from . import constraints, spine_closing, spine_stretching
 from .constraints import TINY
 from .spine import Rest
-from .spine_lines import carried, tangents
+from .spine_lines import carried, led, steps, tangents
 from .spine_wanted import Wanted
 
 NEAR = 0.25
@@ -56,7 +56,7 @@ def of(rest: Rest, wanted: Wanted, particles: Array, twists: Array, most: Array)
         most: Farthest that the ends of each piece come from each other [m], shape (frame or 1, piece).
     """
     spine, pieces = rest.spine, rest.spine.pieces
-    along = np.diff(particles, axis=1)
+    along = steps(particles)
     distance = quat.length(along)
     axes = along / np.maximum(distance, TINY)[..., None]
     swings = _swings(rest, wanted, particles, twists)
@@ -82,10 +82,11 @@ def _swings(rest: Rest, wanted: Wanted, particles: Array, twists: Array) -> Arra
     turned away from it, unless that leads back.
     """
     posed = tangents(particles, rest.constraints[:, 0])
-    out = carried(rest.tangents, posed)
-    if twists.any():
-        out = np.matmul(quat.to_matrix(quat.from_axis_angle(posed, twists)), out)
+    out = np.empty((*posed.shape, 3))
     out[:, 0] = rotation.IDENTITY
+    out[:, 1:] = carried(rest.tangents[:, 1:], posed[:, 1:])
+    if twists.any():
+        out[:, 1:] = np.matmul(rotation.about(posed[:, 1:], twists[:, 1:]), out[:, 1:])
     if wanted.held.any():
         back = rotation.transposed(out[:, -1])
         share = wanted.held * _near(back)
@@ -113,7 +114,7 @@ def _splined(rest: Rest, particles: Array, swings: Array, distance: Array) -> Ar
         parameters = splines.parameters[..., None]
         near, far = _turned(before, rest.offsets), _turned(after, rest.offsets)
         places += near + parameters * (far - near)
-    bones = np.diff(places, axis=2)
+    bones = places[:, :, 1:] - places[:, :, :-1]
     size = quat.length(bones)[..., None]
     return np.where(size > TINY, bones / np.maximum(size, TINY), rest.spine.pieces.directions)
 
@@ -124,15 +125,13 @@ def _bowed(rest: Rest, shape: Array, swings: Array, axes: Array, distance: Array
     A piece that has to get shorter than its bones bows to one side or to the other, and there is no way between: so the
     side is that of its rest, whatever its ends ask for; straight ones bow to where they lean.
     """
-    full, chords = rest.spine.pieces.full, rest.chords
-    shorter = np.sqrt(np.maximum(chords * chords - distance * distance, 0.0)) / full
-    room = np.maximum(full * full - np.minimum(distance, full) ** 2, 0.0)
-    grown = np.sqrt(room / np.maximum(full * full - chords * chords, 0.01 * room + (TINY * full) ** 2))
+    full, chord, square = rest.spine.pieces.full**2, rest.chords**2, distance * distance
+    shorter = np.sqrt(np.maximum(chord - square, 0.0) / full)
+    room = np.maximum(full - square, 0.0)
+    grown = np.sqrt(room / np.maximum(full - chord, 0.01 * room + TINY * TINY * full))
     grown = 1.0 + (1.0 - rest.straight) * (grown - 1.0)
     own = grown[..., None, None] * rest.bows + shorter[..., None, None] * rest.leans
-    before = swings[:, :-1]
-    turn = np.matmul(rotation.between(rotation.apply(before, np.broadcast_to(rest.axes, axes.shape)), axes), before)
-    own = _turned(turn, own)
+    own = _turned(led(swings[:, :-1], rest.axes, rest.backs, axes), own)
     lengths = rest.spine.pieces.lengths
     size = (lengths * quat.dot(own, own)).sum(axis=-1)
     share = (lengths * quat.dot(own, shape)).sum(axis=-1) / np.maximum(size, TINY * rest.spine.size)
@@ -158,8 +157,8 @@ def _carried(rest: Rest, wanted: Wanted, twists: Array, directions: Array) -> Ar
     twists = np.where(np.abs(twists) < 1e-9, 0.0, twists)
     if not twists.any():
         return out
-    share = (1.0 - middles) * twists[:, piece] + middles * twists[:, piece + 1]
-    return np.matmul(quat.to_matrix(quat.from_axis_angle(directions, share)), out)
+    share = (1.0 - middles) * twists.take(piece, axis=1) + middles * twists.take(piece + 1, axis=1)
+    return np.matmul(rotation.about(directions, share), out)
 
 
 def _turned(turns: Array, vectors: Array) -> Array:
@@ -175,7 +174,6 @@ def _near(turned: Array) -> Array:
 
 def _twist(left: Array, direction: Array) -> Array:
     """Return how far rotations turn about directions [rad], shape (...)."""
-    axis = np.stack([left[..., i, j] - left[..., j, i] for i, j in ((2, 1), (0, 2), (1, 0))], axis=-1)
-    along = quat.dot(axis, direction)
+    along = quat.dot(rotation.axes_of(left), direction)
     trace = left[..., 0, 0] + left[..., 1, 1] + left[..., 2, 2]
     return 2.0 * np.arctan2(along, 1.0 + trace)

@@ -80,6 +80,8 @@ def factors(spine: Spine, distance: Array, farthest: Array) -> Array | None:
         distance: Between the ends of the pieces [m], shape (frame, piece).
         farthest: From `most`.
     """
+    if spine.free is None:
+        return None
     over = np.where(farthest > spine.most, np.maximum(distance - spine.pieces.full, 0.0), 0.0)
     if not over.any():
         return None

@@ -1,6 +1,7 @@
 """What bends a spine: goals of its branch points, and of the limbs that pull at them."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,6 +26,11 @@ class Wanted:
     counts: Array | None = None
     """How much anything wants of each branch point or of those beyond, shape (frame, node); None where it is all."""
 
+    @cached_property
+    def asked(self) -> list[bool]:
+        """Whether each branch point has a goal that counts."""
+        return [bool(own.any()) for own in self.pinned.T]
+
     def at(self, rows: Flags) -> "Wanted":
         """Return what is wanted in some frames."""
         counts = None if self.counts is None else self.counts[rows]
@@ -39,7 +45,8 @@ class Wanted:
             node: The branch point.
             way: How far it moves [m], shape (frame, 3).
         """
-        particles[:, node] += way
+        particle = particles[:, node]
+        particle += way
         if self.counts is not None:
             particles[:, node + 1 :] += (1.0 - self.counts[:, node + 1 :, None]) * way[:, None]
 

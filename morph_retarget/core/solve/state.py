@@ -86,9 +86,10 @@ class State:
             elif above == NONE:
                 self._places[leader] = plan.rest[leader][None]
             else:
-                rest = plan.rest[leader] - plan.rest[above]
-                away = rotation.apply(self.rotation(above), rest + self._drawn.get(leader, 0.0))
-                self._places[leader] = self.place(above) + away
+                way = plan.ways[leader]
+                if leader in self._drawn:
+                    way = way + self._drawn[leader]
+                self._places[leader] = self.place(above) + rotation.apply(self.rotation(above), way)
         return self._places[leader]
 
     @property
@@ -174,11 +175,11 @@ def stacked(parts: Sequence[Array], frames: int) -> Array:
 
 
 def toward(carried: Array, wanted: Array, share: Array) -> Array:
-    """Return rotations part of the way to others, shape (frame, 3, 3); those at an end are it to the bit."""
-    part = share[:, None, None]
+    """Return rotations part of the way to others, shape (frame, ..., 3, 3); those at an end are it to the bit."""
+    part = share[..., None, None]
     ends = np.where(part == 0.0, carried, wanted)
     between = (share != 0.0) & (share != 1.0)
     if not between.any():
         return ends
     mixed = quat.to_matrix(quat.slerp(quat.from_matrix(carried), quat.from_matrix(wanted), share))
-    return np.where(between[:, None, None], mixed, ends)
+    return np.where(between[..., None, None], mixed, ends)

@@ -15,7 +15,8 @@ from ..arrays import Array, Flags
 from .allotment import Allotment
 from .plan import NONE, Limb, Nudge, Pin, Trunk
 from .settings import SolverSettings
-from .spine import Pull, Spine
+from .spine import Spine
+from .spine_pulls import Pull
 
 
 @dataclass(frozen=True)
