@@ -305,6 +305,13 @@ def test_legs_of_one_bone_give_poses_and_it_is_said_that_they_slide() -> None:
     _assert_finite(made.evaluate(_times(way)))
 
 
+@pytest.mark.parametrize("speed", [1e6, 1e12])
+def test_a_speed_at_which_nobody_could_count_the_steps_is_refused(speed: float) -> None:
+    subject = _subject("biped")
+    with pytest.raises(MotionError, match="lower its speed"):
+        _gait(subject, course.from_speed(np.array([0.0, 10.0]), np.full(2, speed), np.zeros(2)))
+
+
 # --- what an animator tunes ---
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from ... import quat
 from ...arrays import Array, Flags
 from ...character.character import Character
-from ...errors import RigError
+from ...errors import MotionError, RigError
 from ...ground import Ground
 from ...solve.goals import Goals
 from ..course import Course
@@ -45,6 +45,8 @@ GOING = 0.1
 """Dimensionless speed from which on the body moves as the style wants it; one that stands is still."""
 LONGEST_STANCE = 1.5
 """A step is made for a stance of this many times the usual one at most, however long the foot then stands."""
+MOST_CYCLES = 1e5
+"""A foot steps no more often than this in a clip: that is walking for a day, or a speed that nobody can mean."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +103,7 @@ def prepare(
 
     Raises:
         RigError: It has no legs.
-        MotionError: The settings' stride leads nowhere.
+        MotionError: The settings' stride leads nowhere, or its legs would step too often to be told.
     """
     settings.check()
     found = legs.find(character)
@@ -112,6 +114,9 @@ def prepare(
     sizes = Sizes.of(found.legs, settings.width)
     drive = Drive.of(course, found.groups[0].height)
     paces = _paces(drive, found, sizes, settings)
+    cycles = max(float(own.phase[-1] - own.phase[0]) for own in paces)
+    if not cycles <= MOST_CYCLES:
+        raise MotionError(f"each of its feet would step {cycles:.1e} times: lower its speed, or lengthen its strides")
     own = _contacts(found, paces, course.times[list(course.cuts)])
     usual = _by_cycle(found, paces, own, _usual_stance)
     cycle = _by_cycle(found, paces, own, lambda given, _: 1.0 / np.maximum(given.frequency, given.idle))
