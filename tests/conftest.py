@@ -1,5 +1,6 @@
 """What all tests share: where the real rigs and clips are, and steady random examples."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -20,6 +21,12 @@ hypothesis.settings.load_profile("steady")
 
 
 _status: list[int] = []
+
+
+def pytest_collection_finish() -> None:
+    """Spare all that was loaded and collected when Python looks for what can be freed: it stays until the end."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_sessionfinish(exitstatus: int) -> None:

@@ -135,6 +135,9 @@ class Subject:
     def _hinged(self, limb: Limb) -> Hinged:
         shoulders = girdles.find(self.character, self.bodies.positions)
         line = [bone for bone in limb.bones if bone not in shoulders]
+        # Whatever else stands between the shoulder girdle and an arm that is known belongs to the girdle.
+        arms = {self.character.bone(f"{side}UpperArm") for side in ("left", "right")}
+        line = line[next((i for i, bone in enumerate(line) if bone in arms), 0) :]
         mapped = {self.character.bone(f"{s}{j}") for s in ("left", "right") for j in ("LowerArm", "LowerLeg")}
         # Between the joints of a limb that is known there are twist bones, which do not bend.
         hinges = [bone for bone in line[1:-1] if bone in mapped] or line[1:-1]

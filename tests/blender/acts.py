@@ -7,7 +7,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from morph_retarget.blender import rig
 from morph_retarget.blender.io import load
 from morph_retarget.blender.morph import analyses, cast, definitions, keys, perform, stage, telling
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_channel, of_action
@@ -15,8 +14,6 @@ from morph_retarget.blender.morph.values import MORPHRETARGET_PG_values
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array
-from morph_retarget.core.character.character import Character
-from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.solve.goals import Goals
 from tools import armatures, creatures
@@ -77,17 +74,10 @@ def act(obs: Iterable[bpy.types.Object], *channels: Channel, name: str = "Act") 
     return Act(action, found)
 
 
-_analysed: dict[str, tuple[Character, Bodies]] = {}
-
-
 def creature(name: str) -> bpy.types.Object:
-    """Return one of our creatures as a bare armature, bones rolled at random; its like is analysed only once."""
+    """Return one of our creatures as a bare armature, bones rolled at random."""
     ob = armatures.build(name.capitalize(), creatures.CREATURES[name](), np.random.default_rng(7))
-    if name in _analysed:
-        analyses.keep(ob, rig.read(ob), *_analysed[name])
-    else:
-        _, character, bodies = analyses.of(ob)
-        _analysed[name] = (character, bodies)
+    analyses.of(ob)  # as it stands here, wherever it goes
     return ob
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import bpy
@@ -35,10 +36,17 @@ ARMS = [(a, b) for a, b in SEGMENTS if "Arm" in a]
 
 def empty(fps: float = FPS) -> bpy.types.Scene:
     """Close what is open and return a scene without objects."""
-    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.read_homefile(filepath=str(_home()))
     scene = bpy.context.scene
     scene.render.fps = fps
     return scene
+
+
+@cache
+def _home() -> Path:
+    """Return Blender's own empty file, saved by this version: it is read in half the time of what Blender brings."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    return save(Path(bpy.app.tempdir, "home.blend"))
 
 
 def save(path: Path) -> Path:

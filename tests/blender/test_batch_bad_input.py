@@ -74,13 +74,15 @@ def test_requests_that_cannot_be_meant_cost_themselves_alone(cli: Command, files
     assert sorted(path.name for path in tmp_path.iterdir()) == ["jobs.toml", "out", "rig.blend", "walk.bvh"]
 
 
-@pytest.mark.parametrize("unit", [0.01, 100.0])
-def test_rigs_in_other_units_get_the_same_motion(cli: Command, files: Files, tmp_path: Path, unit: float) -> None:
-    """A rig built in centimetres and scaled down to its size, or up, and one that is that small or large."""
-    rigs, out = tmp_path / "rigs", tmp_path / "out"
+def test_rigs_in_other_units_get_the_same_motion(cli: Command, files: Files, tmp_path: Path) -> None:
+    """Rigs built in centimetres and scaled down to their size, or up, and some that are that small or large."""
+    rigs, out, units = tmp_path / "rigs", tmp_path / "out", (0.01, 100.0)
     rigs.mkdir()
     options = {"seed": 3, "build": Build(fingers=2)}
-    for name, height, scale in (("plain", 1.7, 1.0), ("scaled", 1.7 / unit, unit), ("size", 1.7 * unit, 1.0)):
+    builds = {"plain": (1.7, 1.0)}
+    for unit in units:
+        builds |= {f"scaled {unit}": (1.7 / unit, unit), f"size {unit}": (1.7 * unit, 1.0)}
+    for name, (height, scale) in builds.items():
         scenes.empty()
         scenes.figure("Rig", height=height, **options).scale = (scale,) * 3
         bpy.context.view_layer.update()
@@ -90,14 +92,16 @@ def test_rigs_in_other_units_get_the_same_motion(cli: Command, files: Files, tmp
     shutil.copy(files.clip(), clips / "walk.bvh")
     said = cli("batch", clips, "--on", rigs / "*.blend", "--out", out, "--files", "{target}.blend")
     assert said.status == 0, said
-    jobs = _jobs(out)
-    plain = jobs["plain.blend"]["measures"][0]
-    for name, size in (("scaled.blend", 1.0), ("size.blend", unit)):
-        own = jobs[name]["measures"][0]
+    measures = {name: entry["measures"][0] for name, entry in _jobs(out).items()}
+    plain = measures["plain.blend"]
+    for name, size in [
+        (f"{kind} {unit}", unit if kind == "size" else 1.0) for kind in ("scaled", "size") for unit in units
+    ]:
+        own = measures[f"{name}.blend"]
         for key in ("bone_direction_error_deg", "bone_twist_error_deg", "pose_jump_deg"):
-            assert own[key]["max"] == pytest.approx(plain[key]["max"], abs=0.05)
+            assert own[key]["max"] == pytest.approx(plain[key]["max"], abs=0.05), name
         slides = own["foot_slide_m_per_s"]["target"], size * plain["foot_slide_m_per_s"]["target"]
-        assert slides[0] == pytest.approx(slides[1], rel=0.05, abs=1e-3 * size)
+        assert slides[0] == pytest.approx(slides[1], rel=0.05, abs=1e-3 * size), name
 
 
 # --- places that give out ---

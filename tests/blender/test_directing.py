@@ -344,3 +344,18 @@ def test_commands_come_and_go_with_undo() -> None:
     bpy.ops.ed.redo()
     bpy.ops.ed.redo()
     assert [item.how for item in own().commands] == ["speed 2"]
+
+
+def test_undo_leaves_a_character_its_library() -> None:
+    """Making motions for it takes longer than anything that undo brings back."""
+    acts.creature("biped")
+    bpy.context.view_layer.objects.active = bpy.data.objects["Biped"]
+    ops.direct(character="Biped")
+    ops.add_command(model="walk")
+    bpy.ops.ed.undo_push(message="walk")
+    made = reading.library_now(bpy.data.objects["Biped"])
+    assert made is not None
+    ops.add_command(model="walk")
+    bpy.ops.ed.undo_push(message="again")
+    bpy.ops.ed.undo()
+    assert reading.library_now(bpy.data.objects["Biped"]) is made

@@ -122,7 +122,7 @@ def test_a_captured_wave_raises_the_right_hand_or_wing_and_not_the_left(
 
 @pytest.mark.parametrize("rig", ["m2m_spider_anim.glb", "quaternius_wolf.glb", "m2m_snake_anim.glb"])
 def test_bodies_without_hands_take_part_in_a_dance_and_stay_whole(data: Path, imported: Imported, rig: str) -> None:
-    outcome = _generalized(_mocap(imported, data, "rokoko_jesse_dance.bvh"), Options(frames=(1, 300)))
+    outcome = _generalized(_mocap(imported, data, "rokoko_jesse_dance.bvh"), Options(frames=(1, 120)))
     ob = load.add(Request(data / "rigs" / rig))[0]
     cast.add(ob, outcome.action)
     (made,) = acting.baked(ob)

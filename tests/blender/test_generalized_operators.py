@@ -113,7 +113,7 @@ def test_a_new_action_without_a_character_leaves_nothing_behind() -> None:
 
 
 def test_without_an_armature_there_is_no_new_action() -> None:
-    with pytest.raises(RuntimeError, match="no armature in this file"):
+    with pytest.raises(RuntimeError, match="needs an armature"):
         ops.new_action()
 
 

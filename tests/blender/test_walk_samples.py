@@ -119,15 +119,17 @@ def test_the_camera_sees_all_of_the_way(name: str) -> None:
 @pytest.mark.parametrize("name", LEGGED)
 def test_feet_stand_still_on_the_ground(name: str) -> None:
     seen = _opened(name)
-    both = seen.stands[1:] & seen.stands[:-1]
-    steps = np.linalg.norm(np.diff(seen.soles, axis=0), axis=-1).min(axis=-1) / seen.lengths
+    firsts = seen.frames[:-1:4]
+    seen = Seen(seen.ob, np.ravel([firsts, firsts + 1.0], order="F"))
+    both = (seen.stands[1:] & seen.stands[:-1])[::2]
+    steps = np.linalg.norm(np.diff(seen.soles, axis=0)[::2], axis=-1).min(axis=-1) / seen.lengths
     assert steps[both].max() < STILL
     assert both.any(axis=0).all()
 
 
 @pytest.mark.parametrize("name", ["walk_biped", "gaits_hound"])
 def test_feet_on_a_floor_are_never_below_it(name: str) -> None:
-    seen = _opened(name)
+    seen = _opened(name, 3.0)
     lowest = seen.soles[..., 2].min(axis=-1) / seen.lengths
     assert lowest.min() > -NEAR_GROUND
     assert np.abs(lowest[seen.stands]).max() < NEAR_GROUND

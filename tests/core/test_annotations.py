@@ -164,7 +164,8 @@ def test_annotations_that_do_not_fit_the_clip_are_named(own: Annotations, named:
 
 
 def test_a_strike_between_the_last_and_the_first_frame_of_a_cycle_is_its_own() -> None:
-    BaseMotion("Walk", _clip(_model()), Annotations("walk", cycle=True, strikes=(Strike(0, 11.5),)))
+    own = Annotations("walk", cycle=True, strikes=(Strike(0, 11.5),))
+    assert BaseMotion("Walk", _clip(_model()), own).annotations.strikes == (Strike(0, 11.5),)
 
 
 def test_a_base_motion_that_does_not_start_at_0_is_refused() -> None:

@@ -48,9 +48,9 @@ def _subjects() -> Mapping[str, Subject]:
     return found
 
 
-@pytest.fixture(params=(*CREATURES, *HUMANS))
+@pytest.fixture(params=(*CREATURES[1:], *HUMANS))
 def subject(request: pytest.FixtureRequest) -> Subject:
-    """Return each of them."""
+    """Return each of them but the biped, who is a human too."""
     return _subjects()[request.param]
 
 
@@ -206,7 +206,7 @@ def test_ends_stay_at_their_goals_and_bones_keep_their_lengths(subject: Subject)
 
 @pytest.mark.parametrize("bends_spine", [False, True])
 def test_collisions_become_less(subject: Subject, bends_spine: bool) -> None:
-    goals = _goals(subject, 4, 400)
+    goals = _goals(subject, 4, 200)
     plain, plan = (_plan(subject, SolverSettings(bends_spine, avoids_collisions=on)) for on in (False, True))
     before, after = (_depths(subject, plan, posing.solve(p, goals)) for p in (plain, plan))
     hit = before.max(axis=1) > HIT

@@ -254,7 +254,7 @@ def test_commands_before_the_first_second_are_obeyed_too() -> None:
 
 
 def test_in_no_transition_a_joint_turns_much_faster_than_in_what_is_blended() -> None:
-    for own in measured(library(), (2.0, 2.6)):
+    for own in measured(library(), (2.3,)):
         assert own.whole
         assert own.faster < 1.5, own
 
@@ -291,7 +291,7 @@ def test_many_changes_in_a_short_time_keep_the_tree_small_and_the_pose_smooth() 
 
 @pytest.mark.parametrize("block", range(6))
 def test_random_commands_end_without_an_error_a_number_that_is_none_or_a_token_left(block: int) -> None:
-    for seed in range(20 * block, 20 * (block + 1)):
+    for seed in range(10 * block, 10 * (block + 1)):
         commands = random_commands(seed)
         performance = perform(library(), commands)
         end = performance.segments[-1].start

@@ -126,7 +126,7 @@ def _assert_smooth(actor: Actor, seed: int, what: str = "") -> None:
 # --- smoothness ---
 
 
-@pytest.mark.parametrize("seed", [0, 1, 2])
+@pytest.mark.parametrize("seed", [0, 1])
 def test_small_changes_of_goals_are_small_changes_of_the_spine(actor: Actor, seed: int) -> None:
     _assert_smooth(actor, seed)
 

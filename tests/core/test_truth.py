@@ -28,7 +28,8 @@ def test_nearly_all_joints_of_real_humanoids_are_right(data: Path) -> None:
 
 @pytest.mark.parametrize("kind", CLUTTER)
 def test_bones_that_are_no_part_of_a_body_do_not_mislead(data: Path, kind: str) -> None:
-    total = _total([truth.cluttered(own, kind) for own in _humanoids(data)])
+    offset = list(CLUTTER).index(kind) % 2  # each rig has half of the kinds
+    total = _total([truth.cluttered(own, kind) for own in _humanoids(data)[offset::2]])
     assert total.right >= 0.99 * total.known, total.faults
     assert not total.swapped
 
