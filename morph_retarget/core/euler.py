@@ -33,12 +33,12 @@ def from_quaternions(rotations: Array, order: str) -> Array:
     m = quat.to_matrix(rotations)
     cosine = np.hypot(m[..., i, i], m[..., j, i])
     out = np.empty((*rotations.shape[:-1], 3))
-    out[..., j] = np.arctan2(-sign * m[..., k, i], cosine)
+    out[..., j] = quat.direction(-sign * m[..., k, i], cosine)
     regular = cosine > 1e-7
     out[..., i] = np.where(
-        regular, np.arctan2(sign * m[..., k, j], m[..., k, k]), np.arctan2(-sign * m[..., j, k], m[..., j, j])
+        regular, quat.direction(sign * m[..., k, j], m[..., k, k]), quat.direction(-sign * m[..., j, k], m[..., j, j])
     )
-    out[..., k] = np.where(regular, np.arctan2(sign * m[..., j, i], m[..., i, i]), 0.0)
+    out[..., k] = np.where(regular, quat.direction(sign * m[..., j, i], m[..., i, i]), 0.0)
     return _continuous(out, i, j, k)
 
 

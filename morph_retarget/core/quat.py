@@ -155,6 +155,14 @@ def from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
     return np.concatenate([np.cos(half), np.sin(half) * np.asarray(axis, dtype=np.float64)], axis=-1)
 
 
+def direction(y: Array, x: Array) -> Array:
+    """Return the angles [rad] from the x axis to points (x, y), to the bit the same wherever these lie in memory.
+
+    NumPy before 2 takes another way, which rounds otherwise, where a column of vectors ends next to its result.
+    """
+    return np.arctan2(y.copy(), x.copy())
+
+
 def angle_between(a: Array, b: Array) -> Array:
     """Return the angle [rad] of the rotation that leads from ``a`` to ``b``."""
     cosine = np.abs(dot(a, b))

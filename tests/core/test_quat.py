@@ -124,6 +124,18 @@ def test_cross_is_the_cross_product() -> None:
     assert _close(quat.cross(a, b), np.cross(a, b))
 
 
+def test_directions_are_the_same_to_the_bit_wherever_vectors_lie_in_memory() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(3000):
+        vectors = rng.normal(size=(int(rng.integers(2, 40)), 3))
+        expected = np.arctan2(vectors[:, 2].copy(), vectors[:, 0].copy())
+        end = vectors.ctypes.data + vectors.nbytes
+        behind = [np.empty(len(vectors)) for _ in range(20)]
+        behind.sort(key=lambda block: not 0 <= block.ctypes.data - end <= 16)
+        behind[0] = vectors  # the next result takes the place of what is let go: next to the vectors, now and then
+        assert (quat.direction(vectors[:, 2], vectors[:, 0]) == expected).all()
+
+
 def test_zero_vectors_and_zero_quaternions_stay_harmless() -> None:
     assert _close(quat.unit(np.zeros(3)), np.zeros(3))
     assert _close(quat.normalize(np.zeros(4)), quat.IDENTITY)

@@ -97,9 +97,9 @@ def pointed(headings: Array, rises: Array) -> Array:
 
 def heading_of(ways: Array) -> Array:
     """Return the headings of ways over the ground [rad], shape (..., 2 or 3) to (...)."""
-    return np.arctan2(ways[..., 0], -ways[..., 1])
+    return quat.direction(ways[..., 0], -ways[..., 1])
 
 
 def rise_of(ways: Array) -> Array:
     """Return by what angle ways go up [rad], shape (..., 3) to (...)."""
-    return np.arctan2(ways[..., 2], np.hypot(ways[..., 0], ways[..., 1]))
+    return quat.direction(ways[..., 2], np.hypot(ways[..., 0], ways[..., 1]))

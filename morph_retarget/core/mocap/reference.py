@@ -91,4 +91,4 @@ def _facing(character: Character, points: Array) -> Array:
     if left is None or right is None:
         return quat.identity(len(points))
     across = points[:, left] - points[:, right]
-    return quat.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.arctan2(across[:, 1], across[:, 0]))
+    return quat.from_axis_angle(np.array([0.0, 0.0, 1.0]), quat.direction(across[:, 1], across[:, 0]))

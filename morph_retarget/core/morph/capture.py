@@ -125,7 +125,7 @@ def in_place(found: Performance, width: int) -> tuple[Performance, float, float]
     root = (found.bodies.with_capability(Capability.ROOT) or found.bodies.tree.roots)[0]
     turns = quat.multiply(found.axes[:, root], quat.conjugate(found.bodies.axes[root]))
     twist = quat.twist_about(turns, UP)
-    yaw = np.unwrap(2.0 * np.arctan2(twist[:, 3], twist[:, 0]))
+    yaw = np.unwrap(2.0 * quat.direction(twist[:, 3], twist[:, 0]))
     heading = _slow(yaw[:, None], width)[:, 0]
     path = _slow(found.positions[:, root, :2], width)
     back = quat.from_axis_angle(UP, -heading)[:, None]

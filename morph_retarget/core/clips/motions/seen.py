@@ -77,11 +77,11 @@ class Seen:
             if side > 0 and (kind, row, -1) in by_side:
                 across += (self.places[:, bone] - self.places[:, by_side[kind, row, -1]])[:, :2]
         if np.hypot(*across.T).min() > 1e-3 * self.size:
-            return np.unwrap(np.arctan2(across[:, 1], across[:, 0]))
+            return np.unwrap(quat.direction(across[:, 1], across[:, 0]))
         rest = self.character.skeleton.rest_rotations[self.root]
         turns = quat.multiply(self.pose.rotations[:, self.root], quat.conjugate(rest))
         ahead = quat.rotate(self.character.local_to_character.turns(turns), np.array([0.0, -1.0, 0.0]))
-        return np.unwrap(np.arctan2(ahead[:, 0], -ahead[:, 1]))
+        return np.unwrap(quat.direction(ahead[:, 0], -ahead[:, 1]))
 
     @cached_property
     def way(self) -> Array:

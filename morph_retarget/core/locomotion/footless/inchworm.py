@@ -138,9 +138,8 @@ class Inchworm:
         front, front_heading, front_slope = self._placed(times, self.front)
         rear, rear_heading, rear_slope = self._placed(times, self.rear)
         away = front - rear
-        level = np.hypot(away[:, 0], away[:, 1])
         heading, first, last = heading_of(away), self.front.point, self.rear.point
-        rises = self.arch.over(quat.length(away), np.arctan2(away[:, 2], level))
+        rises = self.arch.over(quat.length(away), rise_of(away))
         turns = np.empty((len(times), len(line), 4))
         between = np.arange(first, last)
         turns[:, between] = line.turned(between, np.repeat(heading[:, None], len(between), axis=1), rises)
