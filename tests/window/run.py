@@ -16,7 +16,7 @@ from pathlib import Path
 import bpy
 
 ROOT = Path(__file__).resolve().parents[2]
-PATHS = ("retargeting", "following", "authoring", "baking", "languages")
+PATHS = ("retargeting", "following", "authoring", "baking", "saving", "languages")
 PAUSE = 0.12
 """Between two steps, for the window to answer [s]."""
 LIMIT = 300.0

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
+from ...core.character.character import Character
 from ...core.clips.motions import library_file
 from ...core.clips.motions.library import Library
 from ...core.directing import starter
@@ -19,7 +20,7 @@ from ..properties import of_rig
 from .directing import directing_of
 from .generalized import selected
 from .manners import OfArmature, Status, armature_meant, reporting, scene_in
-from .stepping import Stepping
+from .stepping import Stepping, SteppingFromDialog
 
 _GLOB = f"*{library_file.SUFFIX}"
 
@@ -119,24 +120,39 @@ def _free_file(ob: bpy.types.Object, given: str) -> Path:
     return path
 
 
-class MORPHRETARGET_OT_save_library(OfArmature, bpy.types.Operator, ExportHelper):
+class MORPHRETARGET_OT_save_library(ExportHelper, SteppingFromDialog, OfArmature, bpy.types.Operator):
     bl_idname = "morph_retarget.save_library"
     bl_label = "Save Library"
     bl_description = "Write the motions of the character to a file: its library, or the whole starter library"
     bl_options = {"REGISTER"}
+    doing = "Saving the library"
 
     filename_ext = library_file.SUFFIX
     filter_glob: StringProperty(default=_GLOB, options={"HIDDEN"})
 
-    @reporting
-    def execute(self, context: bpy.types.Context) -> Status:
+    def start(self, context: bpy.types.Context) -> Generator[float, None, tuple[int, Path]]:
         ob, path = armature_meant(context, self.character), Path(self.properties.filepath)
-        own = of_rig(ob).directing.library_path
         _, character, _ = analyses.of(ob)
-        library = starter.starter(character) if own is None else library_file.load(own)
-        library_file.save(library, path)
-        self.report({"INFO"}, f"Wrote {len(library)} motions to {path.name}")
+        return _saved(character, of_rig(ob).directing.library_path, path)
+
+    def finish(self, _: bpy.types.Context, result: tuple[int, Path]) -> Status:
+        count, path = result
+        self.report({"INFO"}, f"Wrote {count} motions to {path.name}")
         return {"FINISHED"}
+
+
+def _saved(character: Character, own: Path | None, path: Path) -> Generator[float, None, tuple[int, Path]]:
+    """Write a character's library, or the starter library, which is made kind by kind; return how much it has."""
+    if own is not None:
+        library = library_file.load(own)
+    else:
+        library, kinds = Library(model_of(character)), starter.kinds_of_starter()
+        for done, kind in enumerate(kinds):
+            yield done / (len(kinds) + 1)
+            library = starter.completed(library, [kind])
+    yield len(library) / (len(library) + 1)
+    library_file.save(library, path)
+    return len(library), path
 
 
 class MORPHRETARGET_OT_load_library(OfArmature, bpy.types.Operator, ImportHelper):

@@ -95,6 +95,19 @@ class Stepping:
             area.tag_redraw()  # what panels tell of the result comes after the last thing that Blender notices
 
 
+class SteppingFromDialog(Stepping):
+    """The same for what asks for a file first: a base after Blender's `ExportHelper` or `ImportHelper`."""
+
+    options: Any
+    """Of Blender's operators."""
+
+    def execute(self, context: bpy.types.Context) -> Status:
+        """Begin to do it in steps once a file is chosen; for scripts, do all of it at once."""
+        if self.options.is_invoke and context.window is not None:
+            return self._begin(context)
+        return super().execute(context)
+
+
 def _window(context: bpy.types.Context) -> bpy.types.WindowManager:
     assert context.window_manager is not None, "operators are invoked in a window"
     return context.window_manager
