@@ -12,7 +12,7 @@ from ..arrays import Array
 from . import constraints, spine_closing, spine_stretching
 from .constraints import TINY
 from .spine import FOLD, Rest
-from .spine_lines import angles, carried, steps
+from .spine_lines import angles, led, steps
 from .spine_wanted import Wanted
 
 PASSES = 2
@@ -89,7 +89,7 @@ def _apart(held: Array, moved: Array, least: Array, most: Array) -> Array:
 
 def _outward(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
     """Bring each branch point within reach of the one before it, and to where its piece does not fold over."""
-    before, size = rest.constraints[:, 0], rest.chords[:, 0]
+    before, size, carrying = rest.constraints[:, 0], rest.chords[:, 0], _Carrying(rest, particles)
     for node in range(1, particles.shape[1]):
         piece = node - 1
         away = particles[:, node] - particles[:, piece]
@@ -97,20 +97,30 @@ def _outward(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
         reach = np.minimum(np.maximum(distance, least), most[:, piece])
         came = (reach / np.maximum(distance, TINY))[:, None] * away
         folded = (quat.dot(before, away) < rest.levels[:, piece] * size * distance) | (distance < least)
-        if folded.any():
-            home = _carried(rest, particles, piece)
-            turned = reach[:, None] * _unfolded(away, home, distance / np.maximum(least, TINY))
-            came = np.where(folded[:, None], turned, came)
+        rows = np.flatnonzero(folded)
+        if len(rows):
+            home, share = carrying.direction(piece), distance / np.maximum(least, TINY)
+            own = home if len(home) == 1 else home[rows]
+            came[rows] = reach[rows, None] * _unfolded(away[rows], own, share[rows])
         wanted.carry(particles, node, came - away)
         before, size = came, reach
 
 
-def _carried(rest: Rest, particles: Array, piece: int) -> Array:
-    """Return where the pieces before it carry a piece, unit vectors, shape (frame or 1, 3)."""
-    if piece == 0:
-        return rest.axes[:, 0]
-    own = quat.unit(steps(particles[:, : piece + 1]))
-    return rotation.apply(carried(rest.axes[:, :piece], own)[:, -1], rest.axes[:, piece])
+class _Carrying:
+    """Where pieces are carried by those before them, found from one to the next as far as it is asked for."""
+
+    def __init__(self, rest: Rest, particles: Array) -> None:
+        self._rest, self._particles = rest, particles
+        self._turn, self._done = rotation.IDENTITY[None], 0
+
+    def direction(self, piece: int) -> Array:
+        """Return where a piece is carried, unit vectors, shape (frame or 1, 3); never one before the last asked for."""
+        rest, particles = self._rest, self._particles
+        for i in range(self._done, piece):
+            own = quat.unit(particles[:, i + 1] - particles[:, i])
+            self._turn = led(self._turn, rest.axes[:, i], rest.backs[:, i], own)
+        self._done = piece
+        return rotation.apply(self._turn, rest.axes[:, piece])
 
 
 def _unfolded(away: Array, home: Array, share: Array) -> Array:
