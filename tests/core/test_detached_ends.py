@@ -401,6 +401,19 @@ def test_shins_that_hang_on_their_feet_and_hands_that_hang_on_feet_are_left_alon
     assert detached.carried(character, skeleton.index["hips"]) is skeleton.tree
 
 
+def test_an_arm_whose_halves_hang_on_one_control_makes_no_ring() -> None:
+    names, parents = ["hips", "torso", "arm", "grip", "forearm"], [None, None, "torso", "torso", "grip"]
+    places = [(0, 0, 1), (0, 0, 1.2), (0.2, 0, 1.4), (0.5, 0, 1.4), (0.5, 0, 1.4)]
+    bones = [Bone(name, above, at, at) for name, above, at in zip(names, parents, places, strict=True)]
+    skeleton = skeleton_of(bones)
+    arm = Limb(LimbKind.ARM, 1, 0, (skeleton.index["arm"], skeleton.index["forearm"]))
+    own = detached.carried(replace(_figure(), skeleton=skeleton, limbs=(arm,)), skeleton.index["hips"])
+    assert sorted(own.order) == list(range(len(bones)))
+    assert own.path(skeleton.index["arm"], skeleton.index["forearm"]) == [
+        skeleton.index[n] for n in ("arm", "grip", "forearm")
+    ]
+
+
 def test_bodies_above_the_root_stay_where_they_hang() -> None:
     whole = _figure(*ENDS)
     foot = whole.skeleton.index["leftFoot"]

@@ -12,7 +12,7 @@ from ...core.morph.channels import TargetKind
 from .. import retarget, rig
 from ..io import save
 from ..io.load import Request
-from ..morph import analyses, bake, cast, choice, clip, deforms, own_values, pose
+from ..morph import analyses, bake, cast, choice, clip, deforms, on_controls, own_values, pose
 from ..morph.bake import Options, Take
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
@@ -239,12 +239,14 @@ def _take(job: _Job, text: str, ob: bpy.types.Object, options: Options) -> Take:
             if own.part.binding.variants:
                 of_rig(ob).variant = choice.nearest_variant(own, ob, bpy.context.evaluated_depsgraph_get())
                 cast.forget(ob)
-        return retarget.run(bake.take(ob, rig.scene_of(), options))
+        scene = rig.scene_of()
+        found = retarget.run(bake.take(ob, scene, options))
+        return found if job.arguments.live else retarget.run(bake.carried(found, scene))
 
 
 def _show(taken: Sequence[Take]) -> None:
     """Put characters in the first pose of what they play, which they show until frames change."""
     rig.scene_of().frame_set(int(taken[0].clip.frames[0]))
     for one in taken:
-        pose.show(one.member.rig.object, pose.Setting.of(one.member.rig, one.played))
+        pose.show(one.member.rig.object, on_controls.setting_of(one.member, one.played))
         deforms.show(one.member, one.played)

@@ -1,7 +1,7 @@
 """Motion for deform bones as channels of the controls that pose them."""
 
 from collections.abc import Collection, Generator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -15,12 +15,13 @@ from ...core.mocap import carrying
 from ...core.mocap.carrying import Handle, Handling, Seen, Values
 from ...core.mocap.links import NONE, LimbLinks, Links
 from ...core.mocap.measure import Spread, direction_errors
+from ...core.mocap.motion import Motion
 from ...core.mocap.root_motion import RootMotion
 from ...core.pipeline import Result
 from .. import actions, channels
 from ..channels import Channel
 from ..rig import pose_bone
-from ..steps import within
+from ..steps import run, within
 from . import evaluating, reading, telling
 from .evaluating import Stage
 from .task import Carried, Onto, Task, Times, Work
@@ -37,6 +38,29 @@ BETTER = 0.7
 """A pass that leaves more than this share of what was missing was the last …"""
 FAR, PATIENCE = 0.1, 3
 """… or so many of them while controls are turned so far off [rad]: they hang on others, which must settle first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Strings:
+    """Controls that are ready to be moved frame by frame: the first answer, without looking what comes of it.
+
+    It is exact where controls hang on each other in plain trees, as those that turn parts do.
+    """
+
+    work: Work
+    handling: Handling
+
+    def pull(self, motion: Motion) -> list[Channel]:
+        """Return what controls do for a motion."""
+        frames = len(motion.turns)
+        goal = carrying.goal(self.handling, self.work.plan, motion)
+        start, neutral = self.handling.start(frames), _repeated(self.handling.neutral, frames)
+        return _channels(self.work, self.handling, carrying.solve(self.handling, goal, start, neutral))
+
+    @property
+    def switches(self) -> Sequence[Channel]:
+        """What makes these controls count, one frame each."""
+        return self.work.rest
 
 
 def controls_of(stage: Stage, task: Task) -> Controls | None:
@@ -99,22 +123,49 @@ def carry(
         RigError: The rig has no controls, and they were asked for.
         MappingError: A control that the user has named does not exist.
     """
-    target = task.target
-    given = {*task.given, *task.reaches}
-    if is_plain(target.object, onto, given):
+    if is_plain(task.target.object, onto, {*task.given, *task.reaches}):
         return None
+    with evaluating.stage(task.target, scene) as stage:
+        work = _work(stage, task, onto)
+        return None if work is None else (yield from _carry(stage, work, result, times))
+
+
+def prepare(task: Task, onto: Onto, scene: bpy.types.Scene) -> Strings:
+    """Return what answers frame by frame; arguments as for `carry`.
+
+    Raises:
+        RigError: The rig has no controls.
+        MappingError: A control that the user has named does not exist.
+    """
+    with evaluating.stage(task.target, scene) as stage:
+        work = _work(stage, task, onto)
+        if work is None:
+            raise _without_controls(task)
+        return Strings(work, run(_handling(stage, work)))
+
+
+def _work(stage: Stage, task: Task, onto: Onto) -> Work | None:
+    """Return a task with the controls of its rig, None where the bones that were mapped are to be keyed.
+
+    Raises:
+        RigError: The rig has no controls, and they were asked for.
+        MappingError: A control that the user has named does not exist.
+    """
     # Where few bones copy others, as twist bones do, and names tell of no controls, there are none.
-    is_controlled = len(task.character.skeleton) < len(target.skeleton)
-    with evaluating.stage(target, scene) as stage:
-        found = controls_of(stage, task)
-        sure = found is not None and (found.family != FOUND or any(not limb.turned for limb in found.limbs))
-        if found is not None and (onto is not Onto.AUTO or given or is_controlled or sure):
-            work = Work(task, found, onto, _settings(task, found, onto))
-            return (yield from _carry(stage, work, result, times))
+    is_controlled = len(task.character.skeleton) < len(task.target.skeleton)
+    found = controls_of(stage, task)
+    sure = found is not None and (found.family != FOUND or any(not limb.turned for limb in found.limbs))
+    if found is not None and (onto is not Onto.AUTO or task.given or task.reaches or is_controlled or sure):
+        return Work(task, found, onto, _settings(task, found, onto))
     if onto is Onto.AUTO and not is_controlled:
         return None
-    raise RigError(
-        f"rig {target.name!r} has no controls that could be found: name them in the joint list, or write on its bones"
+    raise _without_controls(task)
+
+
+def _without_controls(task: Task) -> RigError:
+    return RigError(
+        f"rig {task.target.name!r} has no controls that could be found: "
+        "name them in the joint list, or write on its bones"
     )
 
 

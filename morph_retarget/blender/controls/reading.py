@@ -121,8 +121,16 @@ def setting(bone: str, prop: str, values: np.ndarray) -> Channel:
     return Channel(bone, f'["{bpy.utils.escape_identifier(prop)}"]', values)
 
 
+def value(ob: bpy.types.Object, channel: Channel) -> float:
+    """Return what the custom property of a bone holds that `setting` has made a channel of."""
+    return float(pose_bone(ob, channel.bone or "")[_name(channel)])
+
+
 def switch(ob: bpy.types.Object, channel: Channel) -> None:
     """Give the custom property of a bone the first value of a channel that `setting` has made."""
-    bone = pose_bone(ob, channel.bone or "")
-    name = bpy.utils.unescape_identifier(channel.prop[2:-2])
+    bone, name = pose_bone(ob, channel.bone or ""), _name(channel)
     bone[name] = type(bone[name])(channel.values[0, 0])
+
+
+def _name(channel: Channel) -> str:
+    return bpy.utils.unescape_identifier(channel.prop[2:-2])

@@ -83,7 +83,9 @@ def _performed(ob: bpy.types.Object, bone: str, frames: Array, graph: bpy.types.
     if ob.session_uid in walks.problems:
         raise MotionError(walks.problems[ob.session_uid])
     played = play.evaluate(member.free, stage.values_over(member, ob, frames), {}, layer)
-    body = member.rig.skeleton.index[bone]
+    body = member.rig.skeleton.index.get(bone)
+    if body is None:
+        raise MotionError(f"bone {bone!r} of {ob.name!r} is a control: choose one of the bones that move its mesh")
     return member.character.local_to_character.inverse().points(played.pose.positions[:, body])
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...core.character.character import Character
 from ...core.morph.bodies import Bodies
 from .. import collect
+from ..controls import deforming
 from ..properties import BY_USER, of_rig
 from ..rig import Rig, armature_of
 
@@ -28,6 +29,7 @@ def of(ob: bpy.types.Object) -> Analysis:
     known = _known.get(ob.session_uid)
     if known is None:
         own, character = collect.target_of(ob)
+        own, character = deforming.body_of(own, character) or (own, character)
         known = _known[ob.session_uid] = (own, character, Bodies.of(character))
         _rests[ob.session_uid] = _corrections(ob), _bones_of(ob)
     return known

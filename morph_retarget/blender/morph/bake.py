@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -15,7 +15,8 @@ from .. import actions, channels, keying, retarget
 from ..locomotion import walks
 from ..locomotion.walks import Taken
 from ..templates import filled
-from . import cast, clip, deform_keys, events, jiggles, pose
+from ..writing import Written
+from . import cast, clip, deform_keys, events, jiggles, on_controls, pose
 from .clip import Clip
 from .member import Member
 
@@ -45,6 +46,8 @@ class Take:
     """Frames of the action for each frame of the scene."""
     walk: Taken | None = None
     """How the character goes over the ground."""
+    on_controls: Written | None = None
+    """The same on controls, None where bones are keyed."""
 
     @property
     def binds(self) -> bool:
@@ -66,7 +69,9 @@ class Take:
     @property
     def _notes(self) -> tuple[str, ...]:
         """The same besides problems of the binding."""
-        return (*self.member.warnings, *(() if self.walk is None else self.walk.warnings))
+        walking = () if self.walk is None else self.walk.warnings
+        carried = () if self.on_controls is None else self.on_controls.warnings
+        return (*self.member.warnings, *walking, *carried, *on_controls.told(self.member, self.played))
 
     def report(self) -> dict[str, object]:
         """Return what was played and measured, as it is written to report files."""
@@ -120,6 +125,17 @@ def take(ob: bpy.types.Object, scene: bpy.types.Scene, options: Options) -> Gene
     return Take(member, found, played, seconds, options.rate, walk)
 
 
+def carried(taken: Take, scene: bpy.types.Scene) -> Generator[float, None, Take]:
+    """Carry a take onto the controls of its rig, if it has any, in steps; yields the share done and returns the take.
+
+    Raises:
+        RigError: The rig is posed by controls, and none could be found.
+        MappingError: A control that the user has named does not exist.
+    """
+    made = yield from on_controls.written(taken.member, taken.played, taken.clip.frames, scene)
+    return replace(taken, on_controls=made)
+
+
 def write(taken: Take, options: Options) -> Outcome:
     """Key what a character plays in a new action and make it play that; the generalized action is kept.
 
@@ -131,8 +147,14 @@ def write(taken: Take, options: Options) -> Outcome:
     ob, names = member.rig.object, member.rig.skeleton.names
     name = action_name(options.name, member.action.name, ob.name)
     member.action.use_fake_user = True
-    keyed = [*pose.channels_of(member.rig, played), *deform_keys.channels_of(member, played)]
-    moved = channels.body_bones(member.rig, [*played.bones, *(names.index(c.bone) for c in keyed if c.bone in names)])
+    deforming = deform_keys.channels_of(member, played)
+    moved = channels.body_bones(member.rig, [names.index(c.bone) for c in deforming if c.bone in names])
+    if taken.on_controls is None:
+        keyed = [*pose.channels_of(member.rig, played), *deforming]
+        moved += channels.body_bones(member.rig, played.bones)
+    else:
+        keyed = [*taken.on_controls.channels, *deforming]
+        moved += taken.on_controls.body
     action, slot = keying.write(
         member.rig, keyed, moved, found.frames, name, keep_others=True, keep_object=member.gait is not None
     )
@@ -158,8 +180,13 @@ def bake(
     """
     taken: list[Take] = []
     for i, ob in enumerate(obs):
-        taken.append((yield from retarget.within(i / len(obs), (i + 1) / len(obs), take(ob, scene, options))))
+        taken.append((yield from retarget.within(i / len(obs), (i + 1) / len(obs), _taken(ob, scene, options))))
     return write_all(taken, options)
+
+
+def _taken(ob: bpy.types.Object, scene: bpy.types.Scene, options: Options) -> Generator[float, None, Take]:
+    found = yield from retarget.within(0.0, 0.5, take(ob, scene, options))
+    return (yield from retarget.within(0.5, 1.0, carried(found, scene)))
 
 
 def write_all(taken: Sequence[Take], options: Options) -> list[Outcome]:

@@ -118,10 +118,21 @@ def curves_edited(obs: Iterable[bpy.types.Object]) -> None:
 
 
 def prepare(member: Member, played: Played) -> Jiggling:
-    """Return what jiggles on a character while it plays its action."""
+    """Return what jiggles on a character while it plays its action; nothing does that follows controls."""
     own, found = member.rig, jiggle_bones.curves_of(member.rig.object)
     posed = {*(int(bone) for bone in played.bones), played.root, *jiggle_bones.posed(own, found)}
+    if member.follows_controls:
+        posed = {*range(len(own.skeleton))}
     return jiggling.prepare(member.character, posed, of_rig(own.object).jiggles.settings())
+
+
+def is_still(member: Member) -> bool:
+    """Return whether it is known that nothing jiggles on a character."""
+    ob = member.rig.object
+    if not of_rig(ob).jiggles.enabled:
+        return True
+    found = _simulated.get(ob.session_uid)
+    return found is not None and found.member is member and not found.jiggling and ob.session_uid not in _edited
 
 
 def shown(

@@ -80,6 +80,11 @@ class Member:
         lower = () if self.gait is None else self.gait.wanted
         return play.prepare(self.character, binding, self.solver, self.limits, self.fixed, lower)
 
+    @cached_property
+    def follows_controls(self) -> bool:
+        """Whether controls pose its bones, which are not among these."""
+        return len(self.rig.skeleton) < len(self.rig.armature.bones)
+
     @property
     def root(self) -> int:
         """The body that carries all others."""

@@ -25,6 +25,7 @@ from . import (
     generalize,
     jiggles,
     keys,
+    on_controls,
     pose,
     remap,
     replay,
@@ -131,10 +132,12 @@ def forget(ob: bpy.types.Object | None = None) -> None:
         jiggles.forget()
         walks.forget()
         specialized.forget()
+        on_controls.forget()
     else:
         _shown.pop(ob.session_uid, None)
         _foreseen.pop(ob.session_uid, None)
         replay.forget(ob.session_uid)
+        on_controls.forget(ob)
 
 
 def release(ob: bpy.types.Object) -> None:
@@ -247,7 +250,7 @@ def _show_one(
         state = _put(ob, frame, played, frame.setting)
         replay.remember(replay.moment(scene), Sight(frame, pose.basis(ob), state))
     else:
-        _put(ob, frame, played, Setting.of(member.rig, played, hands_off))
+        _put(ob, frame, played, on_controls.setting_of(member, played, hands_off))
 
 
 def _played(member: Member, values: ToldValues, targets: ToldTargets, walk: ToldWalk | None) -> Played:
@@ -266,6 +269,9 @@ def _put(ob: bpy.types.Object, frame: Frame, played: Played, setting: Setting) -
     state = pose.show(ob, setting)
     pose.rest(ob, _driven.get(ob.session_uid, frozenset()) - setting.bones)
     _driven[ob.session_uid] = setting.bones
+    controls = on_controls.of(frame.member)
+    if controls is not None:
+        controls.switch()
     given = deforms.show(frame.member, played)
     _shown[ob.session_uid] = Shown(frame.member, frame.told, frame.targets, played, state, given)
     return state
@@ -286,7 +292,7 @@ def _is_right(
     return (
         guess.frame.member is member
         and guess.frame.told[: len(told)] == told
-        and not of_rig(member.rig.object).jiggles.enabled
+        and jiggles.is_still(member)
         and pose.basis(seen) == guess.basis
         and deforms.holds(_shown[member.rig.uid].deforms, graph)
     )

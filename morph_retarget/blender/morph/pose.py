@@ -1,6 +1,6 @@
 """Writing a played pose to pose bones, in the rotation modes that they have."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -82,6 +82,20 @@ class Setting:
         for prop, given in others.items():
             out[prop] = _row(prop, np.array([place for place, _ in given]), np.array([value for _, value in given]))
         return cls(frozenset([names[bone] for bone in played.bones.tolist()]), out)
+
+    @classmethod
+    def on(cls, rig: Rig, found: Sequence[Channel]) -> Self:
+        """Return what the first frame of channels sets."""
+        by_prop: dict[str, list[tuple[int, Array]]] = {}
+        for channel in found:
+            assert channel.bone is not None, "characters pose bones"
+            place = int(rig.pose_order[rig.skeleton.index[channel.bone]])
+            by_prop.setdefault(channel.prop, []).append((place, channel.values[0]))
+        rows = {
+            prop: _row(prop, np.array([place for place, _ in given]), np.array([values for _, values in given]))
+            for prop, given in by_prop.items()
+        }
+        return cls(frozenset(channel.bone or "" for channel in found), rows)
 
 
 def _row(prop: str, places: Indices, values: Array) -> tuple[Indices, Singles]:

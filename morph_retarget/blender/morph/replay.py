@@ -13,6 +13,7 @@ import bpy
 
 from ...core.play import Played
 from .member import Member
+from .on_controls import setting_of
 from .pose import Setting, Singles
 from .stage import ToldTargets
 
@@ -38,7 +39,7 @@ class Frame:
     @cached_property
     def setting(self) -> Setting:
         """What it sets on pose bones, in the rotation modes that these have when it is first asked for."""
-        return Setting.of(self.member.rig, self.played)
+        return setting_of(self.member, self.played)
 
 
 @dataclass(frozen=True, eq=False)

@@ -184,10 +184,10 @@ def place_of(target: bpy.types.Object, bone: str, graph: bpy.types.Depsgraph) ->
         try:
             other = cast.member(target)
         except MorphError:
-            pass  # it is told where that character is drawn; here its pose counts as it is
-        else:
-            played = play.evaluate(other.free, values_of(other, seen), {}, walks.layer_now(other, seen, graph))
+            other = None  # it is told where that character is drawn; here its pose counts as it is
+        if other is not None and bone in other.rig.skeleton.index:  # so it is no control
             body = other.rig.skeleton.index[bone]
+            played = play.evaluate(other.free, values_of(other, seen), {}, walks.layer_now(other, seen, graph))
             local = other.character.local_to_character.inverse().points(played.pose.positions[0, body])
             return _through(_matrix_of(target, graph), local)
     head = np.array(pose_of(seen).bones[bone].head, dtype=np.float64)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from .. import pipeline, quat
+from .. import keyed, pipeline, quat
 from ..character.character import Character
 from ..clips import posing
 from ..clips.character_model import RATE, CharacterModel
@@ -31,7 +31,6 @@ from ..morph.bodies import Bodies
 from ..pipeline import Result
 from ..play import root_of
 from ..skeleton import Pose
-from . import keyed
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .. import play, quat
+from .. import keyed, play, quat
 from ..arrays import Array
 from ..character.character import Character
 from ..clips import posing
@@ -29,9 +29,7 @@ from ..morph import specialize
 from ..morph.bind import Binding, GeneralizedAction, bind
 from ..morph.bodies import Bodies
 from ..morph.channels import Values
-from ..play import Part, Played
-from ..skeleton import Pose
-from . import keyed
+from ..play import Part
 from .takes import Take, layer_of, values_of
 
 STILL = from_speed(np.array([0.0, 1.0]), np.zeros(2), np.zeros(2))
@@ -92,7 +90,7 @@ def performed(model: CharacterModel, takes: Sequence[Take], binding: Binding | N
     part = _prepared(model, action, wanted)
     values = values_of(takes, len(action.action.channels))
     layer = _yielding(action, values, layer_of(model.character, takes))
-    pose = posed(model.character, play.evaluate(part, values, {}, layer))
+    pose = keyed.played(model.character.skeleton, play.evaluate(part, values, {}, layer))
     ways = [take.way for take in takes]
     whole = Travel(np.concatenate([way.places for way in ways]), np.concatenate([way.headings for way in ways]))
     contacts = np.concatenate([_contacts(model, take.moving, take.times) for take in takes])
@@ -115,7 +113,7 @@ def performed(model: CharacterModel, takes: Sequence[Take], binding: Binding | N
 def bare(model: CharacterModel, binding: Binding, values: Values) -> Frames:
     """Return an action alone, over the rest pose."""
     part = _prepared(model, binding, ())
-    pose = posed(model.character, play.evaluate(part, values, {}))
+    pose = keyed.played(model.character.skeleton, play.evaluate(part, values, {}))
     return posing.frames_of(model, pose, Travel.still(len(values)), np.zeros((len(values), len(model.feet))))
 
 
@@ -124,15 +122,6 @@ def _prepared(model: CharacterModel, binding: Binding, lower: Wanted) -> Part:
     rest = model.character.local_to_character.points(model.character.skeleton.rest_positions)
     resting = replace(binding, bodies=replace(binding.bodies, positions=rest))
     return replace(play.prepare(model.character, resting, lower=lower), binding=binding)
-
-
-def posed(character: Character, played: Played) -> Pose:
-    """Return what was played as the pose that its keys make, armature space."""
-    moved, shifts = np.array([played.root]), played.shift[:, None]
-    if played.stretched is not None:
-        moved = np.append(moved, played.stretched.bones)
-        shifts = np.concatenate([shifts, played.stretched.shifts], axis=1)
-    return keyed.pose_of(character.skeleton, played.bones, played.basis, moved, shifts)
 
 
 def _yielding(binding: Binding, values: Values, lower: Layer) -> Layer:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from .. import pipeline, quat
+from .. import keyed, pipeline, quat
 from ..arrays import Array, Flags
 from ..character.character import Character
 from ..clips import posing
@@ -16,7 +16,7 @@ from ..ground import Ground
 from ..mocap import plan as planning
 from ..pipeline import Result
 from ..skeleton import Pose
-from . import keyed, planting
+from . import planting
 from .moved import Moved
 
 

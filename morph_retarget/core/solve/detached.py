@@ -34,10 +34,12 @@ def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tre
             # What hangs on a limb is carried by it, even by another one.
             is_free = bone not in stays and bones.isdisjoint(tree.ancestors[bone])
             if is_free and not out.is_below(bone, above):
-                # A paw that hangs on nothing but controls, as a wolf's, goes with all of them, which skins hold on to.
-                line = [bone, *tree.ancestors[bone]]
+                # A paw that hangs on nothing but controls, as a wolf's, goes with all of them, which skins hold on to:
+                # up to those that carry the limb as well, which would else hang on themselves.
+                top = out.top_of(bone, above)
+                line = [bone, *out.ancestors[bone]]
                 parents = out.parents.copy()
-                parents[bone if stays & {*line} else line[-1]] = above
+                parents[bone if stays & {*line[: line.index(top) + 1]} else top] = above
                 out = Tree(parents)
     return _with_legs(character, out, root, stays)
 

@@ -2,9 +2,10 @@
 
 import numpy as np
 
-from .. import quat
-from ..arrays import Array, Indices
-from ..skeleton import Pose, Skeleton, pose_from_basis
+from . import quat
+from .arrays import Array, Indices
+from .play import Played
+from .skeleton import Pose, Skeleton, pose_from_basis
 
 
 def pose_of(skeleton: Skeleton, bones: Indices, basis: Array, moved: Indices, shifts: Array) -> Pose:
@@ -22,3 +23,12 @@ def pose_of(skeleton: Skeleton, bones: Indices, basis: Array, moved: Indices, sh
     rotations[:, bones] = basis
     locations[:, moved] = quat.rotate(quat.conjugate(skeleton.rest_rotations[moved]), shifts)
     return pose_from_basis(skeleton, rotations, locations)
+
+
+def played(skeleton: Skeleton, found: Played) -> Pose:
+    """Return the pose that a played clip makes, armature space."""
+    moved, shifts = np.array([found.root]), found.shift[:, None]
+    if found.stretched is not None:
+        moved = np.append(moved, found.stretched.bones)
+        shifts = np.concatenate([shifts, found.stretched.shifts], axis=1)
+    return pose_of(skeleton, found.bones, found.basis, moved, shifts)

@@ -1,0 +1,128 @@
+"""Generalized actions on rigs with controls: deform bones do what they would do alone, live and baked."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+from morph_retarget.blender import actions, retarget
+from morph_retarget.blender.morph import bake, cast, jiggles
+from morph_retarget.blender.properties import of_rig, of_scene
+from morph_retarget.core import keyed
+from morph_retarget.core.arrays import Array
+from morph_retarget.core.errors import MappingError
+from tests.blender import acting, control_rigs, scenes, window
+from tools.figure import blender
+
+ops = bpy.ops.morph_retarget
+FRAMES = (1, 6, 11, 13.5, 16, 21)
+SAME = 1e-4
+"""Places that are no further apart are the same [m]."""
+
+
+@pytest.fixture(autouse=True)
+def _registered() -> Iterator[None]:
+    with window.registered():
+        yield
+
+
+@pytest.fixture
+def human(rigify_file: Path) -> bpy.types.Object:
+    """Return a person that Rigify has generated."""
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
+    bpy.context.scene.render.fps = scenes.FPS
+    ob = scenes.only_armature()
+    bpy.context.view_layer.objects.active = ob
+    return ob
+
+
+def _wanted(ob: bpy.types.Object) -> tuple[list[str], list[float], Array]:
+    """Return the deform bones, the frames of an action, and where these are when the bones play it alone."""
+    taken = retarget.run(bake.take(ob, bpy.context.scene, bake.Options()))
+    skeleton = taken.member.character.skeleton
+    return list(skeleton.names), taken.clip.frames.tolist(), keyed.played(skeleton, taken.played).positions
+
+
+def _keyed_bones(ob: bpy.types.Object) -> set[str]:
+    action, slot = actions.assigned(ob)
+    paths = [path for path, _ in actions.curves(action, slot)]
+    return {path.split('"')[1] for path in paths if path.startswith("pose.bones")}
+
+
+@pytest.mark.parametrize("onto", ["auto", "ik"])
+def test_hands_that_dip_are_where_they_are_without_controls(human: bpy.types.Object, onto: str) -> None:
+    of_scene(bpy.context.scene).onto = onto
+    acting.dip(human)
+    names, frames, wanted = _wanted(human)
+    assert np.ptp(wanted[:, names.index("DEF-hand.L")], axis=0).max() > 0.1, "they dip"
+    assert acting.apart(scenes.heads(human, names, frames), wanted) < SAME
+    assert human.name not in cast.problems
+    acting.baked(human)
+    ends = [names.index(f"DEF-{part}.{side}") for part in ("hand", "foot") for side in "LR"]
+    compared = ends if onto == "ik" else list(range(len(names)))
+    own = scenes.heads(human, [names[i] for i in compared], frames)
+    assert acting.apart(own, wanted[:, compared]) < (2e-3 if onto == "ik" else SAME)
+
+
+def test_only_controls_are_keyed_and_what_was_there_besides_is_kept(human: bpy.types.Object) -> None:
+    acting.dip(human)
+    [outcome] = acting.baked(human)
+    assert not {name for name in _keyed_bones(human) if name.startswith(("DEF-", "ORG-"))}
+    assert {"hand_fk.L", "torso"} <= _keyed_bones(human)
+    assert outcome.action != bpy.data.actions["Dip"]
+    assert not [w for w in outcome.take.warnings if "no control" in w]
+
+
+def test_a_person_walks_on_its_controls(human: bpy.types.Object) -> None:
+    bpy.context.scene.frame_end = 30
+    ops.add_locomotion()
+    names, frames, wanted = _wanted(human)
+    assert acting.apart(scenes.heads(human, names, frames), wanted) < SAME
+    ops.bake_action()
+    assert cast.action_of(human) is None
+    assert acting.apart(scenes.heads(human, names, frames), wanted) < SAME
+
+
+def test_a_file_that_is_opened_plays_on_controls(human: bpy.types.Object, tmp_path: Path) -> None:
+    acting.dip(human)
+    before = scenes.heads(human, ["DEF-hand.L", "DEF-foot.L"], FRAMES)
+    bpy.ops.wm.open_mainfile(filepath=str(scenes.save(tmp_path / "dip.blend")))
+    assert acting.apart(scenes.heads(scenes.only_armature(), ["DEF-hand.L", "DEF-foot.L"], FRAMES), before) < 1e-5
+
+
+def test_controls_that_constraints_tell_of_are_found(tmp_path: Path) -> None:  # noqa: ARG001
+    scenes.empty()
+    ob = control_rigs.controlled(blender, lambda joint: f"Anim {blender(joint)}")
+    acting.dip(ob)
+    names, frames, wanted = _wanted(ob)
+    assert not {name for name in names if name.startswith("Anim")}
+    assert acting.apart(scenes.heads(ob, names, frames), wanted) < SAME
+
+
+def test_a_control_that_is_gone_is_told_by_name_and_nothing_is_lost() -> None:
+    scenes.empty()
+    ob = control_rigs.controlled(blender, lambda joint: f"Anim {blender(joint)}")
+    bpy.context.view_layer.objects.active = ob
+    ops.analyze(rig=ob.name)
+    of_rig(ob).joints["hips"].control = "Nobody"
+    acting.dip(ob)
+    scenes.heads(ob, ["Hips"], (1, 11))
+    assert "'Nobody'" in cast.problems[ob.session_uid]
+    with pytest.raises(MappingError, match="'Nobody'"):
+        acting.baked(ob)
+    assert cast.action_of(ob).name == "Dip"
+    of_rig(ob).joints["hips"].control = ""
+    names, frames, wanted = _wanted(ob)
+    assert acting.apart(scenes.heads(ob, names, frames), wanted) < SAME
+    assert ob.session_uid not in cast.problems
+
+
+def test_what_follows_controls_does_not_jiggle(horse_file: Path) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(horse_file))
+    ob = scenes.only_armature()
+    acting.play(acting.action("Feet", [acting.FEET]), ob, keyed={"Feet": {1: (0, 0, 0), 11: (0, 0, 0.1)}})
+    of_rig(ob).jiggles.enabled = True
+    scenes.heads(ob, [ob.data.bones[0].name], (1, 11))
+    assert jiggles.is_still(cast.member(ob))
