@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core import keyed, pipeline
 from ...core.arrays import Array
+from ...core.character.character import Character
 from ...core.character.control_given import Reaching
 from ...core.errors import listed
 from ...core.mocap import kinematics
@@ -37,24 +38,29 @@ TURNED = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class OnControls:
-    """A character's controls, ready to be set frame by frame."""
+    """A character's controls, ready to be set frame by frame, whatever it plays."""
 
-    member: Member
+    character: Character
+    """What the deform bones are."""
     said: tuple[Mapping[str, str], Mapping[str, Reaching]]
     """The user's own controls, and what is said of how hands and feet are brought to places, by joint."""
     strings: Strings
 
     def setting(self, played: Played) -> Setting:
         """Return what the first frame of a played clip sets on controls."""
-        plan, place = self.strings.work.plan, self.member.character.local_to_character
-        pose = keyed.played(self.member.character.skeleton, played)
-        turns = kinematics.source_turns(plan.links, self.member.character.skeleton, pose, place)
-        points = kinematics.source_points(plan.links, pose.positions, place)
+        links, skeleton, place = (
+            self.strings.work.plan.links,
+            self.character.skeleton,
+            self.character.local_to_character,
+        )
+        pose = keyed.played(skeleton, played)
+        turns = kinematics.source_turns(links, skeleton, pose, place)
+        points = kinematics.source_points(links, pose.positions, place)
         return Setting.on(self.strings.work.target, self.strings.pull(Motion(turns, points)))
 
     def switch(self) -> None:
         """Let the controls count, where others do."""
-        ob = self.member.rig.object
+        ob = self.strings.work.target.object
         for channel in self.strings.switches:
             if reading.value(ob, channel) != channel.values[0, 0]:
                 reading.switch(ob, channel)
@@ -64,12 +70,9 @@ class OnControls:
 _known: dict[int, OnControls] = {}
 
 
-def forget(ob: bpy.types.Object | None = None) -> None:
-    """Drop what was found of the controls of an armature, or of all."""
-    if ob is None:
-        _known.clear()
-    else:
-        _known.pop(ob.session_uid, None)
+def forget() -> None:
+    """Drop what was found of controls: undo and loading replace the rigs."""
+    _known.clear()
 
 
 def of(member: Member) -> OnControls | None:
@@ -83,9 +86,9 @@ def of(member: Member) -> OnControls | None:
         return None
     known, own = _known.get(member.rig.uid), of_rig(member.rig.object)
     said = own.controls(), own.reaches()
-    if known is None or known.member is not member or known.said != said:
+    if known is None or known.character is not member.character or known.said != said:
         strings = carrying.prepare(_task(member), Onto.AUTO, rig.scene_of())
-        known = _known[member.rig.uid] = OnControls(member, said, strings)
+        known = _known[member.rig.uid] = OnControls(member.character, said, strings)
     return known
 
 

@@ -137,7 +137,6 @@ def forget(ob: bpy.types.Object | None = None) -> None:
         _shown.pop(ob.session_uid, None)
         _foreseen.pop(ob.session_uid, None)
         replay.forget(ob.session_uid)
-        on_controls.forget(ob)
 
 
 def release(ob: bpy.types.Object) -> None:
