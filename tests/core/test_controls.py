@@ -208,7 +208,7 @@ def test_the_body_of_a_rig_hangs_together_past_its_mechanism() -> None:
         np.zeros((count, 3)),
     )
     deform = {name for name in names if name.startswith("DEF-")}
-    body, rows = deform_tree.within(whole, deform, {"DEF-chest": ["chest_control"]})
+    body, rows = deform_tree.within(whole, deform, {"DEF-chest": ["chest_control"]}, {})
     assert set(body.names) == deform
     above = {name: body.names[p] if p >= 0 else None for name, p in zip(body.names, body.parents, strict=True)}
     assert above == {
@@ -220,6 +220,30 @@ def test_the_body_of_a_rig_hangs_together_past_its_mechanism() -> None:
     }
     assert [names[row] for row in rows] == list(body.names)
     assert np.array_equal(body.rest_positions, whole.rest_positions[rows])
+
+
+def test_what_hangs_where_a_bone_starts_that_points_elsewhere_hangs_on_what_turns_it() -> None:
+    tree = {
+        "hips_fk": None,
+        "start_tweak": "hips_fk",
+        "middle_tweak": "hips_fk",
+        "ORG-loin": "middle_tweak",
+        "loin_fk": None,
+        "end_tweak": "loin_fk",
+        "DEF-hips": None,
+        "DEF-loin": None,
+        "DEF-thigh.L": "ORG-loin",
+        "DEF-rib.L": "loin_fk",
+    }
+    names, count = tuple(tree), len(tree)
+    parents = np.array([-1 if above is None else names.index(above) for above in tree.values()])
+    whole = Skeleton(names, parents, np.zeros((count, 3)), quat.identity(count), np.zeros((count, 3)))
+    copies = {"DEF-hips": ["start_tweak"], "DEF-loin": ["middle_tweak"]}
+    aims = {"DEF-hips": ["middle_tweak"], "DEF-loin": ["end_tweak"]}
+    body, _ = deform_tree.within(whole, {name for name in names if name.startswith("DEF-")}, copies, aims)
+    above = {name: body.names[p] if p >= 0 else None for name, p in zip(body.names, body.parents, strict=True)}
+    assert above["DEF-thigh.L"] == "DEF-hips"
+    assert above["DEF-rib.L"] == "DEF-loin"
 
 
 def test_rigs_whose_bones_copy_others_are_controlled() -> None:

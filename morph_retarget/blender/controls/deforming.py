@@ -1,6 +1,6 @@
 """What a motion is found for on a rig with controls: its deform bones, as a rig of their own."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Sequence
 from dataclasses import replace
 
 import bpy
@@ -8,7 +8,7 @@ import bpy
 from ...core.character import deform_tree
 from ...core.character.analysis import Overrides
 from ...core.character.character import Character
-from ...core.character.control_facts import COPYING, MOST, BoneFacts
+from ...core.character.control_facts import AIMING, COPYING, MOST, BoneFacts
 from ...core.character.controls import Wanted, without_names
 from ..recognition import recognized
 from ..rig import Rig, pose_of
@@ -25,14 +25,15 @@ def body_of(target: Rig, character: Character, keep: Iterable[str] = ()) -> tupl
     """
     bones = pose_of(target.object).bones
     deform = {bone.name for bone in bones if bone.bone.use_deform}
-    copies = {bone.name: _copied(target.object, bone) for bone in bones}
+    copies = {bone.name: _leading(target.object, bone, COPYING) for bone in bones}
+    aims = {bone.name: _leading(target.object, bone, AIMING) for bone in bones}
     if not deform_tree.is_controlled(deform, copies):
         return None
     given = {joint: match.bone for joint, match in character.joints.items() if match.by == "user"}
     deform |= {*given.values(), *(name for name in keep if name in target.skeleton.index)}
     frame, dropped = character.frame, set[str]()
     while True:
-        skeleton, rows = deform_tree.within(target.skeleton, deform - dropped, copies)
+        skeleton, rows = deform_tree.within(target.skeleton, deform - dropped, copies, aims)
         found = recognized(skeleton, target.placement, Overrides(frame.up, frame.forward, given))
         more = _segments(target.object, found)
         if not more or dropped:
@@ -56,7 +57,7 @@ def _segments(ob: bpy.types.Object, found: Character) -> set[str]:
     return loose.intersection(lines) - set(roles.values())
 
 
-def _copied(ob: bpy.types.Object, bone: bpy.types.PoseBone) -> Sequence[str]:
-    """Return the bones of the same armature that a bone copies."""
-    found = [c for c in bone.constraints if c.type in COPYING and not c.mute and c.influence >= MOST]
+def _leading(ob: bpy.types.Object, bone: bpy.types.PoseBone, kinds: Container[str]) -> Sequence[str]:
+    """Return the bones of the same armature that a bone follows by some kinds of constraints."""
+    found = [c for c in bone.constraints if c.type in kinds and not c.mute and c.influence >= MOST]
     return [name for constraint in found for name in reading.targets(ob, constraint)]

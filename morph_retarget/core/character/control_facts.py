@@ -6,6 +6,8 @@ from dataclasses import dataclass
 CARRYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF", "DAMPED_TRACK", "STRETCH_TO"))
 """Constraints by which a bone turns as another one does."""
 COPYING = frozenset(("COPY_TRANSFORMS", "COPY_ROTATION", "ARMATURE", "CHILD_OF"))
+AIMING = frozenset(("STRETCH_TO", "DAMPED_TRACK", "LOCKED_TRACK"))
+"""Constraints by which a bone points to others."""
 MOST = 0.9
 """A bone that follows another by less than this share only shares its turn, as twist bones do."""
 WHOLE = frozenset(("COPY_TRANSFORMS", "ARMATURE"))

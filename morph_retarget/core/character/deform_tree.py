@@ -33,7 +33,10 @@ def is_controlled(deform: Collection[str], copies: Mapping[str, Sequence[str]]) 
 
 
 def within(
-    skeleton: Skeleton, deform: Collection[str], copies: Mapping[str, Sequence[str]]
+    skeleton: Skeleton,
+    deform: Collection[str],
+    copies: Mapping[str, Sequence[str]],
+    aims: Mapping[str, Sequence[str]],
 ) -> tuple[Skeleton, Indices]:
     """Return the skeleton that some bones make, and their places in the whole, shape (bone,).
 
@@ -41,6 +44,7 @@ def within(
         skeleton: All bones.
         deform: Those that count.
         copies: Bone to the bones that it copies, where it does.
+        aims: Bone to the bones that it points to, where it does.
     """
     kept = [i for i, name in enumerate(skeleton.names) if name in deform]
     twins: dict[tuple[str, str], int] = {}
@@ -52,7 +56,12 @@ def within(
 
     def twin(bone: int) -> int | None:
         name = skeleton.names[bone]
-        return bone if name in deform else followers.get(name, twins.get(_part(name)))
+        if name in deform:
+            return bone
+        found = followers.get(name, twins.get(_part(name)))
+        # A bone that lies where a control does, and points elsewhere than this would take it, turns by another one.
+        points = () if found is None else [skeleton.index[one] for one in aims.get(skeleton.names[found], ())]
+        return found if not points or any(skeleton.tree.is_below(bone, one) for one in points) else None
 
     above = {i: _carrier(skeleton, i, twin) for i in kept}
     above = {i: parent if parent is None or not _loops(above, i) else None for i, parent in above.items()}
