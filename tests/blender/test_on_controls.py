@@ -12,11 +12,10 @@ from morph_retarget.blender.morph import bake, cast, jiggles
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.core import keyed
 from morph_retarget.core.arrays import Array
-from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.errors import MappingError
-from morph_retarget.core.morph.channels import Channel
-from morph_retarget.core.morph.context import Context
 from tests.blender import acting, control_rigs, scenes, window
+from tools import acting as tools_acting
+from tools import acts
 from tools.figure import blender
 
 ops = bpy.ops.morph_retarget
@@ -125,9 +124,8 @@ def test_a_control_that_is_gone_is_told_by_name_and_nothing_is_lost() -> None:
 def test_the_legs_of_a_horse_are_baked_where_they_are_without_controls(horse_file: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(horse_file))
     ob = scenes.only_armature()
-    channels = [Channel("Root", Context(Capability.ROOT), acting.LIMB), acting.FEET]
-    sway = {1: (0, 0, 0), 11: (0.15, 0.0, -0.1), 21: (-0.1, 0.1, -0.15)}
-    acting.play(acting.action("Sway", channels), ob, keyed={"Root": sway, "Feet": {1: (0, 0, 0)}})
+    dance = acts.named("Dance")
+    tools_acting.play(ob, tools_acting.write(dance), dance)
     names, frames, wanted = _wanted(ob)
     legs = [i for i, name in enumerate(names) if any(part in name for part in ("hoof", "toe", "leg", "thigh", "arm"))]
     assert np.ptp(wanted[:, legs], axis=0).max() > 0.05, "they move"
