@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import actions, retarget
-from morph_retarget.blender.morph import bake, cast, jiggles
+from morph_retarget.blender.morph import bake, cast, jiggles, perform
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.core import keyed
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MappingError
-from tests.blender import acting, control_rigs, scenes, window
+from tests.blender import acting, acts, control_rigs, scenes, window
 from tools import acting as tools_acting
-from tools import acts
+from tools import acts as samples
 from tools.figure import blender
 
 ops = bpy.ops.morph_retarget
+HANDS = ("DEF-hand.L", "DEF-hand.R")
 FRAMES = (1, 6, 11, 13.5, 16, 21)
 SAME = 1e-4
 """Places that are no further apart are the same [m]."""
@@ -87,6 +88,33 @@ def test_a_person_walks_on_its_controls(human: bpy.types.Object) -> None:
     assert acting.apart(scenes.heads(human, names, frames), wanted) < SAME
 
 
+def test_a_control_that_is_turned_by_hand_moves_the_hands_of_all_characters(human: bpy.types.Object) -> None:
+    other = scenes.figure("Ann")
+    acting.dip(human, other)
+    bpy.context.scene.frame_set(1)
+    before, others = acts.heads(human, HANDS), acts.heads(other, ["leftHand"])
+    bpy.context.view_layer.objects.active = human
+    human.select_set(True)
+    bpy.ops.object.mode_set(mode="POSE")
+    control = human.pose.bones["upper_arm_fk.L"]
+    human.data.bones.active = control.bone
+    control.rotation_mode = "QUATERNION"
+    control.rotation_quaternion = (0.9, 0.3, 0.2, 0.1)
+    pulled = np.array(control.rotation_quaternion)
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.update()
+    assert np.abs(np.array(control.rotation_quaternion) - pulled).max() < 1e-6, "what is held stays in the hand"
+    moved = np.linalg.norm(acts.heads(human, HANDS) - before, axis=-1)
+    assert moved.min() > 0.05, "both hands have moved"
+    assert acting.apart(acts.heads(other, ["leftHand"]), others) > 0.05, "and those of others"
+    now = acts.heads(human, HANDS)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    perform.show_frame(bpy.context.scene)
+    bpy.context.view_layer.update()
+    assert acting.apart(acts.heads(human, HANDS), now) < 1e-3, "it is played as it was pulled"
+
+
 def test_a_file_that_is_opened_plays_on_controls(human: bpy.types.Object, tmp_path: Path) -> None:
     acting.dip(human)
     before = scenes.heads(human, ["DEF-hand.L", "DEF-foot.L"], FRAMES)
@@ -124,7 +152,7 @@ def test_a_control_that_is_gone_is_told_by_name_and_nothing_is_lost() -> None:
 def test_the_legs_of_a_horse_are_baked_where_they_are_without_controls(horse_file: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(horse_file))
     ob = scenes.only_armature()
-    dance = acts.named("Dance")
+    dance = samples.named("Dance")
     tools_acting.play(ob, tools_acting.write(dance), dance)
     names, frames, wanted = _wanted(ob)
     legs = [i for i, name in enumerate(names) if any(part in name for part in ("hoof", "toe", "leg", "thigh", "arm"))]

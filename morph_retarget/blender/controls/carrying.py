@@ -1,7 +1,8 @@
 """Motion for deform bones as channels of the controls that pose them."""
 
-from collections.abc import Collection, Generator, Sequence
+from collections.abc import Collection, Generator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import bpy
 import numpy as np
@@ -56,6 +57,13 @@ class Strings:
         goal = carrying.goal(self.handling, self.work.plan, motion)
         start, neutral = self.handling.start(frames), _repeated(self.handling.neutral, frames)
         return _channels(self.work, self.handling, carrying.solve(self.handling, goal, start, neutral))
+
+    @cached_property
+    def moves(self) -> Mapping[str, str]:
+        """Which deform bone each control is moved for."""
+        names, bodies = self.work.target.skeleton.names, self.work.plan.target.skeleton.names
+        links = self.work.plan.links.target
+        return {names[handle.control]: bodies[int(links[handle.link])] for handle in self.handling.handles}
 
     @property
     def switches(self) -> Sequence[Channel]:

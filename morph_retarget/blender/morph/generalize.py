@@ -12,7 +12,8 @@ from ...core.layering import Layer
 from ...core.morph import movement, specialize
 from ..locomotion import walks
 from ..properties import of_rig
-from . import cast, pose
+from ..rig import pose_of
+from . import cast, on_controls, pose
 from .member import Member
 from .properties import of_action
 from .shown import Shown
@@ -31,7 +32,7 @@ class Held:
     rotation: Array
     """Generalized, shape (4,)."""
     bones: tuple[str, ...]
-    """Bones that bring the body to its place, which are the animator's while they are held."""
+    """Bones, or controls, that bring the body to its place; they are the animator's while they are held."""
 
     @property
     def channel(self) -> str:
@@ -55,14 +56,17 @@ def posed_by_hand(scene: bpy.types.Scene, graph: bpy.types.Depsgraph, shown: Map
     bone = bpy.context.active_pose_bone
     if before is None or bone is None or before.member.action != cast.action_of(ob):
         return None
-    entry = entry_for(before.member, bone.name)
+    member = before.member
+    moves = on_controls.moves(member)
+    entry = entry_for(member, bone.name if moves is None else moves.get(bone.name, ""))
     if entry is None:
         return None
-    member = before.member
     now = pose.state(member.rig, list(before.state))
     chain = _chain(member, entry)
-    place = {name: int(i) for name, i in zip(member.rig.skeleton.names, member.rig.pose_order, strict=True)}
-    if not any(pose.changed(before.state, now, place[name]) for name in chain):
+    if moves is not None:
+        chain = tuple(control for control, own in moves.items() if own in chain)
+    bones = pose_of(ob).bones
+    if not any(pose.changed(before.state, now, bones.find(name)) for name in chain):
         return None
     before.state = now
     seen = ob.evaluated_get(graph)

@@ -46,8 +46,8 @@ class OnControls:
     """The user's own controls, and what is said of how hands and feet are brought to places, by joint."""
     strings: Strings
 
-    def setting(self, played: Played) -> Setting:
-        """Return what the first frame of a played clip sets on controls."""
+    def setting(self, played: Played, hands_off: Collection[str] = ()) -> Setting:
+        """Return what the first frame of a played clip sets on controls, but for those to leave as they are."""
         links, skeleton, place = (
             self.strings.work.plan.links,
             self.character.skeleton,
@@ -56,7 +56,7 @@ class OnControls:
         pose = keyed.played(skeleton, played)
         turns = kinematics.source_turns(links, skeleton, pose, place)
         points = kinematics.source_points(links, pose.positions, place)
-        return Setting.on(self.strings.work.target, self.strings.pull(Motion(turns, points)))
+        return Setting.on(self.strings.work.target, self.strings.pull(Motion(turns, points)), hands_off)
 
     def switch(self) -> None:
         """Let the controls count, where others do."""
@@ -92,6 +92,12 @@ def of(member: Member) -> OnControls | None:
     return known
 
 
+def moves(member: Member) -> Mapping[str, str] | None:
+    """Return which bone of a character each control is moved for, None where its bones are posed or were not yet."""
+    known = _known.get(member.rig.uid)
+    return known.strings.moves if known is not None and member.follows_controls else None
+
+
 def setting_of(member: Member, played: Played, hands_off: Collection[str] = ()) -> Setting:
     """Return what the first frame of a played clip sets on pose bones, but for those to leave as they are.
 
@@ -99,7 +105,7 @@ def setting_of(member: Member, played: Played, hands_off: Collection[str] = ()) 
         MorphError: See `of`.
     """
     found = of(member)
-    return Setting.of(member.rig, played, hands_off) if found is None else found.setting(played)
+    return Setting.of(member.rig, played, hands_off) if found is None else found.setting(played, hands_off)
 
 
 def written(

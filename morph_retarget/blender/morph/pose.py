@@ -84,11 +84,13 @@ class Setting:
         return cls(frozenset([names[bone] for bone in played.bones.tolist()]), out)
 
     @classmethod
-    def on(cls, rig: Rig, found: Sequence[Channel]) -> Self:
-        """Return what the first frame of channels sets."""
+    def on(cls, rig: Rig, found: Sequence[Channel], but: Collection[str] = ()) -> Self:
+        """Return what the first frame of channels sets, but for bones to leave as they are."""
         by_prop: dict[str, list[tuple[int, Array]]] = {}
         for channel in found:
             assert channel.bone is not None, "characters pose bones"
+            if channel.bone in but:
+                continue
             place = int(rig.pose_order[rig.skeleton.index[channel.bone]])
             by_prop.setdefault(channel.prop, []).append((place, channel.values[0]))
         rows = {
