@@ -48,12 +48,8 @@ class OnControls:
 
     def setting(self, played: Played, hands_off: Collection[str] = ()) -> Setting:
         """Return what the first frame of a played clip sets on controls, but for those to leave as they are."""
-        links, skeleton, place = (
-            self.strings.work.plan.links,
-            self.character.skeleton,
-            self.character.local_to_character,
-        )
-        pose = keyed.played(skeleton, played)
+        links, skeleton = self.strings.work.plan.links, self.character.skeleton
+        pose, place = keyed.played(skeleton, played), self.character.local_to_character
         turns = kinematics.source_turns(links, skeleton, pose, place)
         points = kinematics.source_points(links, pose.positions, place)
         return Setting.on(self.strings.work.target, self.strings.pull(Motion(turns, points)), hands_off)
