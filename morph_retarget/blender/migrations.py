@@ -5,7 +5,8 @@ from collections.abc import Callable, Mapping
 import bpy
 
 from .morph.properties import of_action
-from .properties import MORPHRETARGET_PG_scene, of_scene
+from .properties import of_scene
+from .scene_properties import MORPHRETARGET_PG_scene
 
 VERSION = 1
 

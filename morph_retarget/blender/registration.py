@@ -4,10 +4,11 @@ from typing import Any
 
 import bpy
 
-from . import handlers, live, operators, presets, properties, translations, ui
+from . import changes, handlers, live, operators, presets, properties, translations, ui
 from .cli.messages import NAME
 from .cli.program import main
-from .directing import changes, known, reading, walking
+from .directing import changes as orders
+from .directing import known, reading, walking
 from .locomotion import guides
 from .locomotion import properties as locomotion
 from .morph import autokey, cast, keys, perform, remap, values
@@ -17,7 +18,7 @@ from .ui import menus, overlay
 CLASSES = (*properties.CLASSES, *operators.CLASSES, *ui.CLASSES)
 
 _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
-    (properties.listeners, live.refresh),
+    (changes.listeners, live.refresh),
     (morph.movement_listeners, remap.changed),
     (morph.name_listeners, keys.rename),
     (morph.definition_listeners, perform.definition_changed),
@@ -25,7 +26,7 @@ _LISTENERS: tuple[tuple[list[Any], Any], ...] = (
     (values.character_listeners, perform.character_changed),
     (locomotion.course_listeners, perform.course_changed),
     (locomotion.manner_listeners, perform.gait_changed),
-    (changes.command_listeners, perform.gait_changed),
+    (orders.command_listeners, perform.gait_changed),
     (known.finders, reading.library_now),
     (guides.guides, walking.GUIDE),
 )

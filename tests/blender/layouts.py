@@ -79,7 +79,7 @@ class Layout:
         kind = getattr(bpy.types, name)
         assert index in active.bl_rna.properties, f"{active} has no {index!r}"
         for i, item in enumerate(getattr(data, items)):
-            kind.draw_item(None, bpy.context, Layout(self), data, item, None, active, index, i)
+            kind.draw_item(kind, bpy.context, Layout(self), data, item, None, active, index, i)
 
 
 class _Standing:

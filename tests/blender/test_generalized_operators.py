@@ -9,7 +9,8 @@ import pytest
 from morph_retarget.blender import actions
 from morph_retarget.blender.morph import cast, definitions, keys, query
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_action, of_action
-from morph_retarget.blender.properties import MORPHRETARGET_PG_rig, of_rig
+from morph_retarget.blender.properties import of_rig
+from morph_retarget.blender.rig_properties import MORPHRETARGET_PG_rig
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Extent, Side

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import live
-from morph_retarget.blender.properties import MORPHRETARGET_PG_scene, of_rig, of_scene
+from morph_retarget.blender.properties import of_rig, of_scene
+from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
 from morph_retarget.core.arrays import Array
 from tests.blender import scenes, window
 

@@ -13,7 +13,8 @@ import pytest
 from morph_retarget.blender import migrations
 from morph_retarget.blender.morph import cast, definitions
 from morph_retarget.blender.morph.properties import of_action
-from morph_retarget.blender.properties import MORPHRETARGET_PG_scene, of_rig, of_scene
+from morph_retarget.blender.properties import of_rig, of_scene
+from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
 from tests.blender import acts, scenes, window
 
 FOLDER = Path(__file__).resolve().parent / "old_files"

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 
-from morph_retarget.blender import handlers, properties, registration
+from morph_retarget.blender import handlers, registration
 from tests.blender import window
 from tools import messages
 
@@ -26,7 +26,7 @@ def test_it_registers_unregisters_and_registers_again() -> None:
         assert not hasattr(bpy.types.Scene, "morph_retarget")
         assert not hasattr(bpy.types.Object, "morph_retarget")
         assert _handlers() == 0
-        assert not properties.listeners
+        assert not any(listeners for listeners, _ in registration._LISTENERS)
 
 
 def test_each_operator_and_property_says_what_it_does() -> None:

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 import bpy
 
 from morph_retarget.blender import registration
-from morph_retarget.blender.properties import MORPHRETARGET_PG_scene, of_scene
+from morph_retarget.blender.properties import of_scene
+from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
 from tests.blender import scenes
 
 

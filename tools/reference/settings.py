@@ -4,7 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_action
-from morph_retarget.blender.properties import CLASSES, MORPHRETARGET_PG_rig, MORPHRETARGET_PG_scene
+from morph_retarget.blender.properties import CLASSES
+from morph_retarget.blender.rig_properties import MORPHRETARGET_PG_rig
+from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
 
 from .markdown import code, page, table
 

@@ -12,6 +12,7 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from ...core.clips.motions.annotations import Annotations, Phase, Strike, Strokes
 from ...core.directing import starter
 from ...core.errors import MotionError, listed
+from ..declaring import proposed
 from ..precision import plain
 
 STRIKE = "strike"
@@ -37,8 +38,7 @@ _SETTING: Any = {"options": set()}
 
 def _kinds(_: object, __: bpy.types.Context, text: str) -> list[str]:
     """Return the kinds of motions that are proposed while one is typed."""
-    names = starter.kinds_of_starter()
-    return [name for name in names if text.lower() in name] or list(names)
+    return proposed(starter.kinds_of_starter(), text)
 
 
 def _time(name: str, description: str) -> Any:

@@ -1,39 +1,23 @@
-"""What all settings of directing share: who is told of a change, and what may be overridden."""
+"""What all settings of directing share: who is told of a change, and how often."""
 
 import contextlib
-from collections.abc import Callable, Generator
-from typing import Any
 
 import bpy
 
-command_listeners: list[Callable[[bpy.types.ID], None]] = []
+from .. import declaring
+from ..declaring import Listener
+
+command_listeners: list[Listener] = []
 """Called after a command, or what commands are understood with, has changed."""
-
-OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
-OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
-_together: list[bool] = []
-"""Not empty while several settings are changed, of which is told once."""
-
-
-def tell(own: Any, _: bpy.types.Context | None = None) -> None:
-    """Tell that something about the commands has changed."""
-    for listener in () if _together else command_listeners:
-        listener(own.id_data)
-
-
-@contextlib.contextmanager
-def together(own: Any) -> Generator[None]:
-    """Tell once of all that is changed meanwhile."""
-    _together.append(True)
-    try:
-        yield
-    finally:
-        _together.pop()
-    tell(own)
-
-
-SETTING: Any = {"options": set(), "override": OVERRIDABLE, "update": tell}
+tell = declaring.telling(command_listeners)
+"""Tells that something about the commands has changed."""
+SETTING = declaring.fixed(tell)
 """Of what is the same for a whole clip: it cannot be keyed."""
+
+
+def together(own: bpy.types.bpy_struct) -> contextlib.AbstractContextManager[None]:
+    """Tell once of all that is changed meanwhile."""
+    return declaring.together(tell, own)
 
 
 def owner_of(own: bpy.types.PropertyGroup) -> bpy.types.ID:

@@ -10,9 +10,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from ...core.clips.commands.command import Value
 from ...core.clips.commands.parameters import Parameter
 from ...core.errors import MotionError
+from ..declaring import OVERRIDABLE, proposed
 from ..precision import plain
 from . import known
-from .changes import OVERRIDABLE, SETTING, owner_of, together
+from .changes import SETTING, owner_of, together
 from .known import TARGET
 
 OF_BONE = " : "
@@ -42,15 +43,13 @@ _KINDS: Any = [
 
 def _parameters(own: "MORPHRETARGET_PG_parameter", _: bpy.types.Context, text: str) -> list[str]:
     """Return the names that are proposed for a parameter while it is typed."""
-    names = known.parameters(owner_of(own), own.model)
-    return [name for name in names if text.lower() in name] or list(names)
+    return proposed(known.parameters(owner_of(own), own.model), text)
 
 
 def _choices(own: "MORPHRETARGET_PG_parameter", _: bpy.types.Context, text: str) -> list[str]:
     """Return the words that are proposed for a text while it is typed."""
     found = known.parameters(owner_of(own), own.model).get(own.name)
-    choices = () if found is None else found.choices
-    return [choice for choice in choices if text.lower() in choice] or list(choices)
+    return [] if found is None else proposed(found.choices, text)
 
 
 def _named(own: "MORPHRETARGET_PG_parameter", _: bpy.types.Context) -> None:

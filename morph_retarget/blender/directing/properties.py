@@ -23,12 +23,13 @@ from bpy.props import (
 from ...core.arrays import Array
 from ...core.clips.commands.command import Command, Verb
 from ...core.errors import MotionError, listed
+from ..declaring import OVERRIDABLE, OVERRIDABLE_LIST, proposed
 from ..locomotion.properties import Source
 from ..morph.properties import unlike
 from ..precision import plain
 from ..sampling import seconds_per_frame
 from . import known
-from .changes import OVERRIDABLE, OVERRIDABLE_LIST, SETTING, owner_of, tell, together
+from .changes import SETTING, owner_of, tell, together
 from .parameters import Kind, MORPHRETARGET_PG_parameter, Target, kind_of, target_name, told
 
 _VERBS: Any = [
@@ -45,8 +46,7 @@ def _rig(own: bpy.types.PropertyGroup) -> Any:
 
 def _models(own: "MORPHRETARGET_PG_command", _: bpy.types.Context, text: str) -> list[str]:
     """Return the names that are proposed for a model while it is typed."""
-    names = known.models(owner_of(own))
-    return [name for name in names if text.lower() in name] or list(names)
+    return proposed(known.models(owner_of(own)), text)
 
 
 class MORPHRETARGET_PG_command(bpy.types.PropertyGroup):

@@ -1,6 +1,5 @@
 """What armature objects keep of their locomotion: how fast and where they go, and in what manner they step."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from enum import StrEnum
 from math import pi
@@ -12,15 +11,21 @@ from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatPrope
 from ...core.locomotion.footless.crawling import Movement
 from ...core.locomotion.patterns.styles import STYLES
 from ...core.locomotion.settings import GaitSettings, Layers
+from ..declaring import OVERRIDABLE, OVERRIDABLE_LIST, Listener, fixed, only, overridable, telling
 from . import foot_path
 
-course_listeners: list[Callable[[bpy.types.ID], None]] = []
+course_listeners: list[Listener] = []
 """Called after a setting of where a character goes has changed."""
-manner_listeners: list[Callable[[bpy.types.ID], None]] = []
+manner_listeners: list[Listener] = []
 """Called after a setting of how it goes there has changed."""
+tell_course = telling(course_listeners)
+"""Tells that a setting of where a character goes has changed."""
+tell_manner = telling(manner_listeners)
+"""Tells that a setting of how a character goes has changed."""
+_COURSE = overridable(tell_course)
+_MANNER = fixed(tell_manner)
+"""Of settings that are the same for a whole clip."""
 
-_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
-_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 _DEFAULT = GaitSettings()
 FASTEST = 100.0
 """Speeds are kept below this [m/s]."""
@@ -55,25 +60,8 @@ _MOVEMENTS: Any = [
 ]
 
 
-def tell_course(own: Any, _: bpy.types.Context | None = None) -> None:
-    """Tell that a setting of where a character goes has changed."""
-    for listener in course_listeners:
-        listener(own.id_data)
-
-
-def tell_manner(own: Any, _: bpy.types.Context | None = None) -> None:
-    """Tell that a setting of how a character goes has changed."""
-    for listener in manner_listeners:
-        listener(own.id_data)
-
-
 def _number(name: str, description: str, default: float, **options: Any) -> Any:
-    shared: Any = {"override": _OVERRIDABLE, "update": tell_course}
-    return FloatProperty(name=name, description=description, default=default, **(shared | options))
-
-
-_MANNER: Any = {"options": set(), "update": tell_manner}
-"""Of settings that are the same for a whole clip."""
+    return FloatProperty(name=name, description=description, default=default, **(_COURSE | options))
 
 
 def _factor(name: str, description: str, default: float, most: float = 1.0, soft: float = 1.0) -> Any:
@@ -81,22 +69,7 @@ def _factor(name: str, description: str, default: float, most: float = 1.0, soft
 
 
 def _style(name: str, description: str) -> Any:
-    return EnumProperty(name=name, description=description, items=STYLE_ITEMS, override=_OVERRIDABLE, **_MANNER)
-
-
-def is_curve(_: object, ob: bpy.types.Object) -> bool:
-    """Return whether an object can be a path."""
-    return ob.type == "CURVE"
-
-
-def is_mesh(_: object, ob: bpy.types.Object) -> bool:
-    """Return whether an object can be the ground."""
-    return ob.type == "MESH"
-
-
-def is_empty(_: object, ob: bpy.types.Object) -> bool:
-    """Return whether an object can be a foot path."""
-    return ob.type == "EMPTY"
+    return EnumProperty(name=name, description=description, items=STYLE_ITEMS, **_MANNER)
 
 
 class MORPHRETARGET_PG_gait_layer(bpy.types.PropertyGroup):
@@ -111,7 +84,6 @@ class MORPHRETARGET_PG_gait_layer(bpy.types.PropertyGroup):
         min=0,
         max=99,
         soft_max=4,
-        override=_OVERRIDABLE,
         **_MANNER,
     )
 
@@ -122,7 +94,6 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
     enabled: BoolProperty(
         name="Locomotion",
         description="Let legs, or the whole body where there are none, carry the character over the ground",
-        override=_OVERRIDABLE,
         **_MANNER,
     )
     style: _style("Style", "Manner of going; Automatic goes from a walk to faster gaits with the speed")
@@ -130,16 +101,14 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         type=MORPHRETARGET_PG_gait_layer,
         name="Further Styles",
         description="Styles that are mixed in, and styles of single groups of legs",
-        override=_OVERRIDABLE_LIST,
+        override=OVERRIDABLE_LIST,
     )
     active_layer: IntProperty(name="Active", description="Style that the buttons beside the list act on")
     source: EnumProperty(
         name="Goes By",
         description="What makes the character go",
         items=_SOURCES,
-        options=set(),
-        override=_OVERRIDABLE,
-        update=tell_course,
+        **fixed(tell_course),
     )
     speed: _number(
         "Speed",
@@ -179,17 +148,15 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         name="Path",
         description="Curve that it goes along, from its first point; round and round where it is cyclic. "
         "One that moves counts as it is at the first frame of the scene",
-        poll=is_curve,
-        override=_OVERRIDABLE,
-        update=tell_course,
+        poll=only("CURVE"),
+        **_COURSE,
     )
     ground: PointerProperty(
         type=bpy.types.Object,
         name="Ground",
         description="Mesh that it goes on; a flat floor when empty",
-        poll=is_mesh,
-        override=_OVERRIDABLE,
-        update=tell_course,
+        poll=only("MESH"),
+        **_COURSE,
     )
     stride: _number(
         "Stride",
@@ -233,15 +200,13 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         name="Foot Path",
         description="Empty whose keys from frame 0 to 100 are the flight of a foot: Y location the share of its way, "
         "Z its height as a share of the style's, X outward in leg lengths, X rotation the toes downward",
-        poll=is_empty,
-        override=_OVERRIDABLE,
-        update=tell_manner,
+        poll=only("EMPTY"),
+        **overridable(tell_manner),
     )
     movement: EnumProperty(
         name="Movement",
         description="What carries the character: its feet, or its body",
         items=_MOVEMENTS,
-        override=_OVERRIDABLE,
         **_MANNER,
     )
 
@@ -292,7 +257,7 @@ class Walker:
         type=MORPHRETARGET_PG_gait,
         name="Locomotion",
         description="How this character goes over the ground",
-        override=_OVERRIDABLE,
+        override=OVERRIDABLE,
     )
 
 

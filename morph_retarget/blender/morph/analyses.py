@@ -10,8 +10,9 @@ from ...core.character.character import Character
 from ...core.morph.bodies import Bodies
 from .. import collect
 from ..controls import deforming
-from ..properties import BY_USER, of_rig
+from ..properties import of_rig
 from ..rig import Rig, armature_of
+from ..rig_properties import BY_USER
 
 Analysis = tuple[Rig, Character, Bodies]
 

@@ -6,12 +6,11 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 from ...core.solve.jiggle_kinds import MANNERS, JiggleKind, JiggleSettings, Override
-from .values import tell_character
+from ..declaring import OVERRIDABLE, OVERRIDABLE_LIST
+from .values import OF_CHARACTER, tell_character
 
 BONE = "bone"
 _DEFAULT = JiggleSettings()
-_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
-_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 KINDS: Any = [
     (BONE, "Bone", "The bone of this name"),
     *((kind.value, kind.value.title(), f"All that jiggles as {kind.value}") for kind in JiggleKind),
@@ -30,8 +29,7 @@ def _half_life() -> Any:
         step=1,
         precision=3,
         unit="TIME_ABSOLUTE",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
 
 
@@ -43,8 +41,7 @@ def _stiffness() -> Any:
         min=1.05,
         soft_max=10.0,
         max=1000.0,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
 
 
@@ -56,17 +53,14 @@ def _amount() -> Any:
         min=0.0,
         soft_max=2.0,
         max=100.0,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
 
 
 class MORPHRETARGET_PG_jiggle_override(bpy.types.PropertyGroup):
     """What is set for one kind of parts, or for the bone of the same name."""
 
-    kind: EnumProperty(
-        name="For", description="What this is set for", items=KINDS, override=_OVERRIDABLE, update=tell_character
-    )
+    kind: EnumProperty(name="For", description="What this is set for", items=KINDS, **OF_CHARACTER)
     half_life: _half_life()
     stiffness: _stiffness()
     amount: _amount()
@@ -82,8 +76,7 @@ class MORPHRETARGET_PG_jiggles(bpy.types.PropertyGroup):
     enabled: BoolProperty(
         name="Jiggles",
         description="Let tails, ears, hair and the like follow, as far as the generalized action does not pose them",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     half_life: _half_life()
     stiffness: _stiffness()
@@ -96,28 +89,25 @@ class MORPHRETARGET_PG_jiggles(bpy.types.PropertyGroup):
         max=2.0,
         soft_max=1.0,
         subtype="FACTOR",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     ground: BoolProperty(
         name="Ground",
         description="Keep parts above the ground that the character stands on at rest",
         default=_DEFAULT.ground,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     loop: BoolProperty(
         name="Loop",
         description="Where an action ends as it began, go over the seam without a jump",
         default=_DEFAULT.loop,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     overrides: CollectionProperty(
         type=MORPHRETARGET_PG_jiggle_override,
         name="Settings of Parts",
         description="Settings of kinds and bones of their own, in place of those above",
-        override=_OVERRIDABLE_LIST,
+        override=OVERRIDABLE_LIST,
     )
     active_override: IntProperty(name="Active", description="Part that the buttons beside the list act on")
 
@@ -166,7 +156,7 @@ class Jiggler:
         type=MORPHRETARGET_PG_jiggles,
         name="Jiggles",
         description="How the loose parts of this character follow",
-        override=_OVERRIDABLE,
+        override=OVERRIDABLE,
     )
 
 

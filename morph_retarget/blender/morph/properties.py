@@ -20,21 +20,17 @@ from ...core.morph.branch import Answer
 from ...core.morph.channels import MirrorRule, SideConstraint, TargetKind
 from ...core.morph.context import Depth, Extent, Height, LimbModifier, Side, Space
 from ...core.morph.movement import PositionMode, RotationMode, ScaleMode
+from ..declaring import Listener, telling
 from ..directing import annotations
 from ..directing.annotations import Annotated
 
-Listener = Callable[[bpy.types.ID], None]
 definition_listeners: list[Listener] = []
 """Called after a definition on an action has changed."""
+_defined = telling(definition_listeners)
 movement_listeners: list[Callable[["MORPHRETARGET_PG_channel"], None]] = []
 """Called before those, after a movement mode of a channel has changed."""
 name_listeners: list[Callable[["MORPHRETARGET_PG_channel", str], None]] = []
 """Called after a channel was renamed, with its old name."""
-
-
-def _defined(own: Any, _: bpy.types.Context) -> None:
-    for listener in definition_listeners:
-        listener(own.id_data)
 
 
 def _moved(own: "MORPHRETARGET_PG_channel", context: bpy.types.Context) -> None:

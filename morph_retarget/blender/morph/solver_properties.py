@@ -9,15 +9,16 @@ from bpy.props import CollectionProperty, FloatProperty, IntProperty, PointerPro
 
 from ...core.solve.limb_settings import LimbSettings
 from ...core.solve.settings import DEFAULT, SolverSettings
+from ..declaring import OVERRIDABLE, OVERRIDABLE_LIST, fixed
 from .values import tell_character
 
-_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
-_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 SHARED = ("pull", "spine_start", "slow_down", "full_reach", "softness", "outer_iterations")
 """What a character has for all limbs, and single limbs of their own."""
 
+_FIXED = fixed(tell_character)
+"""Of all that is here: all frames of a clip are solved with the same settings."""
 
-# Nothing here is animatable: all frames of a clip are solved with the same settings.
+
 def _share(name: str, description: str, default: float, least: float = 0.0, most: float = 1.0) -> Any:
     return FloatProperty(
         name=name,
@@ -27,9 +28,7 @@ def _share(name: str, description: str, default: float, least: float = 0.0, most
         max=most,
         precision=3,
         subtype="FACTOR",
-        options=set(),
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **_FIXED,
     )
 
 
@@ -41,9 +40,7 @@ def _count(name: str, description: str, default: int, least: int, most: int, sof
         min=least,
         max=most,
         soft_max=soft,
-        options=set(),
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **_FIXED,
     )
 
 
@@ -56,9 +53,7 @@ def _angle(name: str, description: str, default: float, least: float) -> Any:
         max=pi,
         step=100,
         subtype="ANGLE",
-        options=set(),
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **_FIXED,
     )
 
 
@@ -159,7 +154,7 @@ class MORPHRETARGET_PG_solver(_Tuned, bpy.types.PropertyGroup):
         type=MORPHRETARGET_PG_limb_solver,
         name="Settings of Limbs",
         description="Settings of single limbs, in place of those of the character",
-        override=_OVERRIDABLE_LIST,
+        override=OVERRIDABLE_LIST,
     )
     active_limb: IntProperty(name="Active", description="Limb that the buttons beside the list act on")
 
@@ -208,7 +203,7 @@ class Solved:
         type=MORPHRETARGET_PG_solver,
         name="Solver",
         description="How goals become poses on this character",
-        override=_OVERRIDABLE,
+        override=OVERRIDABLE,
     )
 
 

@@ -1,7 +1,6 @@
 """What armature objects keep of generalized actions: the keyed values of channels, and how they play."""
 
 from collections.abc import Callable
-from typing import Any
 
 import bpy
 from bpy.props import (
@@ -14,19 +13,16 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..declaring import OVERRIDABLE_LIST, Listener, overridable, telling
+
 value_listeners: list[Callable[["MORPHRETARGET_PG_values", str], None]] = []
 """Called after a value of a channel was set by hand, with the name of its property."""
-character_listeners: list[Callable[[bpy.types.ID], None]] = []
+character_listeners: list[Listener] = []
 """Called after a setting of a character has changed."""
-
-_OVERRIDABLE: Any = {"LIBRARY_OVERRIDABLE"}
-_OVERRIDABLE_LIST: Any = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
-
-
-def tell_character(own: Any, _: bpy.types.Context | None = None) -> None:
-    """Tell that a setting of a character has changed."""
-    for listener in character_listeners:
-        listener(own.id_data)
+tell_character = telling(character_listeners)
+"""Tells that a setting of a character has changed."""
+OF_CHARACTER = overridable(tell_character)
+"""What such settings are declared with."""
 
 
 def _valued(part: str) -> Callable[["MORPHRETARGET_PG_values", bpy.types.Context], None]:
@@ -80,14 +76,12 @@ class MORPHRETARGET_PG_values(bpy.types.PropertyGroup):
         type=bpy.types.Object,
         name="Target",
         description="Object that the channel moves relative to, on this character",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     target_bone: StringProperty(
         name="Bone",
         description="Bone of the target; its origin when empty",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     active_body: StringProperty(
         name="Active Body", description="Bone that curves are specialized for and keys are kept for"
@@ -101,50 +95,44 @@ class Performer:
         type=MORPHRETARGET_PG_values,
         name="Channels",
         description="Generalized values by channel",
-        override=_OVERRIDABLE_LIST,
+        override=OVERRIDABLE_LIST,
     )
     variant: IntProperty(
         name="Variant",
         description="Which of the ways in which the action can play on this character",
         min=0,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     bends_spine: BoolProperty(
         name="Bend Spine",
         description="Bend and twist the spine so that heads, mouths, hands and feet come to their goals: more "
         "natural poses and more that can be reached. Takes longer while keys are edited",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     allows_stretch: BoolProperty(
         name="Allow Stretch",
         description="Let limbs get longer and shorter to come to goals out of reach, and a spine that bends: up to "
         "120 % and down to 10 %. Off, bones keep their lengths. Bones that are connected cannot move",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     avoids_collisions: BoolProperty(
         name="Avoid Self-Collision",
         description="Swivel arms and legs out of the trunk, the head and each other; hands and feet stay at their "
         "goals. Takes longer while keys are edited",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     keeps_above_ground: BoolProperty(
         name="Keep above Ground",
         description="Turn hands, tails and wings up where they would go below the ground, as far as no goal places "
         "them. The ground is level, at the height of the feet; with locomotion nothing is turned up",
         default=True,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     use_joint_limits: BoolProperty(
         name="Joint Limits",
         description="Turn no bone further than its own limits for inverse kinematics allow, where it has any",
         default=True,
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
     stands_for: PointerProperty(
         type=bpy.types.Object,
@@ -159,8 +147,7 @@ class Performer:
     muted: BoolProperty(
         name="Mute",
         description="Leave the pose of this character alone",
-        override=_OVERRIDABLE,
-        update=tell_character,
+        **OF_CHARACTER,
     )
 
 

@@ -7,8 +7,10 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import MotionError
 from .. import collect, contacts
+from ..changes import together
 from ..contacts import Contact
-from ..properties import MORPHRETARGET_PG_rig, of_rig, of_scene, together
+from ..properties import of_rig, of_scene
+from ..rig_properties import MORPHRETARGET_PG_rig
 from .manners import PLACE, Status, place_meant, refuse, reporting, scene_in
 from .stepping import Stepping
 

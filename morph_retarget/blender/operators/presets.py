@@ -15,7 +15,8 @@ from ...core.character.character import Character
 from ...core.character.families import Family
 from ...core.errors import MappingError, RigError
 from .. import bone_maps, collect, presets, rig
-from ..properties import of_rig, of_scene, together
+from ..changes import together
+from ..properties import of_rig, of_scene
 from .manners import Status, refuse, reporting, rig_meant, scene_in, shown_rig
 from .rigs import analyze
 

@@ -14,6 +14,7 @@ from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_di
 from ..locomotion import walks
 from ..morph import cast, query
 from ..properties import of_rig
+from .lists import Rows, chosen, draw_list, draw_remove
 from .tab import InTab, OfCharacter, say, split_layout, told
 
 _ICONS: dict[str, Any] = {Verb.START: "PLAY", Verb.STOP: "PAUSE", Verb.RESET: "LOOP_BACK"}
@@ -35,22 +36,13 @@ def directed(context: bpy.types.Context) -> bpy.types.Object | None:
     return ob if there else None
 
 
-class MORPHRETARGET_UL_commands(bpy.types.UIList):
+class MORPHRETARGET_UL_commands(Rows, bpy.types.UIList):
     """Commands in order of time."""
 
     bl_idname = "MORPHRETARGET_UL_commands"
 
-    def draw_item(
-        self,
-        _context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, _context: bpy.types.Context) -> None:
         split = layout.split(factor=0.2, align=True)
         split.active = not item.mute
         split.label(text=f"{item.frame:g}", translate=False)
@@ -121,7 +113,7 @@ class MORPHRETARGET_MT_add_parameter(bpy.types.Menu):
 
 def active_command(own: MORPHRETARGET_PG_directing) -> MORPHRETARGET_PG_command | None:
     """Return the command that is chosen in the list, None for none."""
-    return own.commands[own.active_command] if 0 <= own.active_command < len(own.commands) else None
+    return chosen(own.commands, own.active_command)
 
 
 class MORPHRETARGET_PT_directing(OfCharacter, bpy.types.Panel):
@@ -136,13 +128,9 @@ class MORPHRETARGET_PT_directing(OfCharacter, bpy.types.Panel):
             layout.operator("morph_retarget.direct", icon="ADD").character = ob.name
             return
         own = of_rig(ob).directing
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_commands", "", own, "commands", own, "active_command", rows=5)
-        buttons = row.column(align=True)
+        buttons = draw_list(layout, "MORPHRETARGET_UL_commands", own, "commands", "active_command", rows=5)
         buttons.menu("MORPHRETARGET_MT_add_command", text="", icon="ADD")
-        remove = buttons.column(align=True)
-        remove.enabled = len(own.commands) > 0
-        remove.operator("morph_retarget.remove_command", text="", icon="REMOVE").character = ob.name
+        draw_remove(buttons, "morph_retarget.remove_command", len(own.commands) > 0).character = ob.name
         buttons.separator()
         buttons.menu("MORPHRETARGET_MT_commands", text="", icon="DOWNARROW_HLT")
         command = active_command(own)

@@ -13,6 +13,7 @@ from ..morph import cast, channel_presets, query, telling
 from ..morph.properties import MORPHRETARGET_PG_channel, of_action
 from ..operators.generalized import generalized_actions
 from ..properties import of_rig, of_scene
+from .lists import Rows, draw_list, draw_remove
 from .tab import InTab, say, told
 
 _TYPES: dict[str, Any] = {
@@ -50,23 +51,13 @@ def mode_icons(channel: MORPHRETARGET_PG_channel) -> list[Any]:
     return [name for name, shown in wanted.items() if shown]
 
 
-class MORPHRETARGET_UL_channels(bpy.types.UIList):
+class MORPHRETARGET_UL_channels(Rows, bpy.types.UIList):
     """Channels with what they select on the active character."""
 
     bl_idname = "MORPHRETARGET_UL_channels"
 
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        index: int = 0,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, context: bpy.types.Context) -> None:
         split = layout.split(factor=0.45)
         split.prop(item, "name", text="", emboss=False, icon=_TYPES.get(item.context.capability, "BONE_DATA"))
         row = split.row(align=True)
@@ -75,8 +66,9 @@ class MORPHRETARGET_UL_channels(bpy.types.UIList):
             row.label(text="", icon=name)
         ob = query.active_character(context)
         member = query.member_now(ob) if ob is not None else None
-        if member is not None and member.action == item.id_data and index < len(member.part.binding.selected):
-            count = len(member.part.binding.selected[index])
+        place = of_action(item.id_data).channels.find(item.name)
+        if member is not None and member.action == item.id_data and place < len(member.part.binding.selected):
+            count = len(member.part.binding.selected[place])
             row.label(text=str(count) if count else "", icon="NONE" if count else "ERROR")
 
 
@@ -195,13 +187,9 @@ class MORPHRETARGET_PT_generalized(InTab, bpy.types.Panel):
         row = layout.row()
         row.label(text="Channels")
         row.menu("MORPHRETARGET_MT_channel_presets", text="", icon="PRESET")
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_channels", "", own, "channels", own, "active_channel", rows=5)
-        column = row.column(align=True)
+        column = draw_list(layout, "MORPHRETARGET_UL_channels", own, "channels", "active_channel", rows=5)
         column.operator("morph_retarget.add_channel", text="", icon="ADD").action = action.name
-        remove = column.column(align=True)
-        remove.enabled = len(own.channels) > 1
-        remove.operator("morph_retarget.remove_channel", text="", icon="REMOVE").action = action.name
+        draw_remove(column, "morph_retarget.remove_channel", len(own.channels) > 1).action = action.name
         column.separator()
         column.operator("morph_retarget.duplicate_channel", text="", icon="DUPLICATE").action = action.name
         for direction in ("UP", "DOWN"):

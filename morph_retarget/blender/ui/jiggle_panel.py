@@ -10,25 +10,17 @@ import bpy
 from ..morph import cast, jiggles, query
 from ..morph.jiggle_properties import BONE
 from ..properties import of_rig
+from .lists import Rows, chosen, draw_list, draw_remove
 from .tab import InTab, OfCharacter, say, split_layout
 
 
-class MORPHRETARGET_UL_jiggle_settings(bpy.types.UIList):
+class MORPHRETARGET_UL_jiggle_settings(Rows, bpy.types.UIList):
     """Kinds and bones that have settings of their own."""
 
     bl_idname = "MORPHRETARGET_UL_jiggle_settings"
 
-    def draw_item(
-        self,
-        _context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, _context: bpy.types.Context) -> None:
         icon = "BONE_DATA" if item.kind == BONE else "GROUP_BONE"
         layout.label(text=item.name, icon=icon, translate=item.kind != BONE)
         layout.label(text="" if item.amount else "Still")
@@ -75,17 +67,12 @@ class MORPHRETARGET_PT_jiggle_parts(InTab, bpy.types.Panel):
         if ob is None:
             return
         own = of_rig(ob).jiggles
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_jiggle_settings", "", own, "overrides", own, "active_override", rows=3)
-        buttons = row.column(align=True)
+        buttons = draw_list(layout, "MORPHRETARGET_UL_jiggle_settings", own, "overrides", "active_override")
         buttons.operator_menu_enum("morph_retarget.add_jiggle_settings", "kind", text="", icon="ADD")
-        remove = buttons.column(align=True)
-        remove.enabled = len(own.overrides) > 0
-        remove.operator("morph_retarget.remove_jiggle_settings", text="", icon="REMOVE").character = ob.name
-        if 0 <= own.active_override < len(own.overrides):
-            item = own.overrides[own.active_override]
-            for name in ("amount", "half_life", "stiffness"):
-                layout.prop(item, name)
+        draw_remove(buttons, "morph_retarget.remove_jiggle_settings", len(own.overrides) > 0).character = ob.name
+        item = chosen(own.overrides, own.active_override)
+        for name in ("amount", "half_life", "stiffness") if item is not None else ():
+            layout.prop(item, name)
 
 
 CLASSES = (MORPHRETARGET_UL_jiggle_settings, MORPHRETARGET_PT_jiggles, MORPHRETARGET_PT_jiggle_parts)

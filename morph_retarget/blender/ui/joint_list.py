@@ -9,8 +9,10 @@ from typing import Any
 import bpy
 
 from ...core.character.joints import FINGER_JOINTS
-from ..properties import MORPHRETARGET_PG_joint, of_rig
+from ..properties import of_rig
 from ..rig import armature_of
+from ..rig_properties import MORPHRETARGET_PG_joint
+from .lists import Rows
 
 SURE = 0.8
 """Confidence from which on a joint is not marked as doubtful."""
@@ -47,7 +49,7 @@ def _is_wide(context: bpy.types.Context) -> bool:
     return context.region.width >= WIDE * (context.preferences.system.ui_scale or 1.0)
 
 
-class MORPHRETARGET_UL_joints(bpy.types.UIList):
+class MORPHRETARGET_UL_joints(Rows, bpy.types.UIList):
     """Joints with their bones."""
 
     bl_idname = "MORPHRETARGET_UL_joints"
@@ -57,21 +59,12 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
         name="Missing", description="List joints that the rig does not have too", default=True
     )
 
-    def draw_item(
-        self,
-        context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, context: bpy.types.Context) -> None:
         split = layout.split(factor=0.54)
         split.label(text=label(item.name), icon=icon(item), translate=False)
         if _is_wide(context):
-            split.prop_search(item, "bone", armature_of(data.id_data), "bones", text="")
+            split.prop_search(item, "bone", armature_of(item.id_data), "bones", text="")
         else:
             split.label(text=item.bone, translate=False)
 
@@ -94,22 +87,13 @@ class MORPHRETARGET_UL_joints(bpy.types.UIList):
         return flags, []
 
 
-class MORPHRETARGET_UL_contacts(bpy.types.UIList):
+class MORPHRETARGET_UL_contacts(Rows, bpy.types.UIList):
     """Intervals in which feet stand."""
 
     bl_idname = "MORPHRETARGET_UL_contacts"
 
-    def draw_item(
-        self,
-        _context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, _context: bpy.types.Context) -> None:
         split = layout.split(factor=0.5)
         split.label(text=item.name, translate=False)
         row = split.row(align=True)

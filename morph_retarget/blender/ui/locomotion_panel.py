@@ -15,6 +15,7 @@ from ..locomotion.properties import Source
 from ..morph import cast, query
 from ..properties import of_rig
 from . import gait_diagram
+from .lists import Rows, chosen, draw_list, draw_remove
 from .tab import InTab, OfCharacter, say, split_layout, told
 
 FIRST = ("stride", "step_height", "crouch")
@@ -32,22 +33,13 @@ def _walker(context: bpy.types.Context) -> bpy.types.Object | None:
     return ob if ob is not None and cast.action_of(ob) is not None and of_rig(ob).gait.enabled else None
 
 
-class MORPHRETARGET_UL_gait_styles(bpy.types.UIList):
+class MORPHRETARGET_UL_gait_styles(Rows, bpy.types.UIList):
     """Styles that are mixed in."""
 
     bl_idname = "MORPHRETARGET_UL_gait_styles"
 
-    def draw_item(
-        self,
-        _context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, _context: bpy.types.Context) -> None:
         row = layout.row()
         row.active = item.weight > 0.0
         row.label(text=STYLES[item.style].title, icon="MOD_WAVE")
@@ -150,17 +142,12 @@ class MORPHRETARGET_PT_gait_styles(_OfWalker, bpy.types.Panel):
         if ob is None:
             return
         own = of_rig(ob).gait
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_gait_styles", "", own, "layers", own, "active_layer", rows=3)
-        buttons = row.column(align=True)
+        buttons = draw_list(layout, "MORPHRETARGET_UL_gait_styles", own, "layers", "active_layer")
         buttons.operator_menu_enum("morph_retarget.add_gait_style", "style", text="", icon="ADD").character = ob.name
-        remove = buttons.column(align=True)
-        remove.enabled = len(own.layers) > 0
-        remove.operator("morph_retarget.remove_gait_style", text="", icon="REMOVE").character = ob.name
-        if 0 <= own.active_layer < len(own.layers):
-            item = own.layers[own.active_layer]
-            for name in ("style", "weight", "group"):
-                layout.prop(item, name)
+        draw_remove(buttons, "morph_retarget.remove_gait_style", len(own.layers) > 0).character = ob.name
+        item = chosen(own.layers, own.active_layer)
+        for name in ("style", "weight", "group") if item is not None else ():
+            layout.prop(item, name)
 
 
 class MORPHRETARGET_PT_gait_details(_OfWalker, bpy.types.Panel):

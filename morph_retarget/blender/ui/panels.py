@@ -13,9 +13,11 @@ from .. import live, presets
 from ..laying import Lay
 from ..operators.manners import shown_rig
 from ..operators.retargeting import latest
-from ..properties import MORPHRETARGET_PG_scene, of_rig, of_scene
+from ..properties import of_rig, of_scene
 from ..rig import armature_of
+from ..scene_properties import MORPHRETARGET_PG_scene
 from .joint_list import icon
+from .lists import draw_list
 from .tab import InTab, say, split_layout, told
 
 
@@ -236,9 +238,7 @@ class MORPHRETARGET_PT_feet(InTab, bpy.types.Panel):
         rig = of_rig(settings.source)
         row.operator("morph_retarget.clear_contacts", text="", icon="X")
         layout.label(text=told("For {action}", action=rig.contacts_action), icon="ACTION", translate=False)
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_contacts", "", rig, "contacts", rig, "active_contact", rows=5)
-        buttons = row.column(align=True)
+        buttons = draw_list(layout, "MORPHRETARGET_UL_contacts", rig, "contacts", "active_contact", rows=5)
         buttons.operator("morph_retarget.add_contact", text="", icon="ADD")
         buttons.operator("morph_retarget.remove_contact", text="", icon="REMOVE")
 

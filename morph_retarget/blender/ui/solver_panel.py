@@ -9,6 +9,7 @@ import bpy
 
 from ..morph import cast, query
 from ..properties import of_rig
+from .lists import Rows, chosen, draw_list, draw_remove
 from .tab import InTab, split_layout
 
 SWITCHES = ("bends_spine", "allows_stretch", "avoids_collisions", "keeps_above_ground", "use_joint_limits")
@@ -37,22 +38,13 @@ def _draw_settings(layout: bpy.types.UILayout, ob: bpy.types.Object, own: Any, n
         row.prop(own, name)
 
 
-class MORPHRETARGET_UL_limb_settings(bpy.types.UIList):
+class MORPHRETARGET_UL_limb_settings(Rows, bpy.types.UIList):
     """Limbs that have settings of their own."""
 
     bl_idname = "MORPHRETARGET_UL_limb_settings"
 
-    def draw_item(
-        self,
-        _context: bpy.types.Context,
-        layout: bpy.types.UILayout,
-        _data: Any,
-        item: Any,
-        _icon: int | None,
-        _active_data: Any,
-        _active_property: str | None,
-        *_: Any,
-    ) -> None:
+    @staticmethod
+    def draw_row(layout: bpy.types.UILayout, item: Any, _context: bpy.types.Context) -> None:
         ob, known = item.id_data, item.name in item.id_data.pose.bones
         row = layout.row()
         row.active = item.name in _ends(ob)
@@ -96,15 +88,12 @@ class MORPHRETARGET_PT_solver(InTab, bpy.types.Panel):
         for name in SWITCHES:
             column.prop(of_rig(ob), name)
         own = of_rig(ob).solver
-        row = layout.row()
-        row.template_list("MORPHRETARGET_UL_limb_settings", "", own, "limbs", own, "active_limb", rows=3)
-        buttons = row.column(align=True)
+        buttons = draw_list(layout, "MORPHRETARGET_UL_limb_settings", own, "limbs", "active_limb")
         buttons.menu("MORPHRETARGET_MT_limbs", text="", icon="ADD")
-        remove = buttons.column(align=True)
-        remove.enabled = len(own.limbs) > 0
-        remove.operator("morph_retarget.remove_limb_settings", text="", icon="REMOVE").character = ob.name
-        if 0 <= own.active_limb < len(own.limbs):
-            _draw_settings(layout, ob, own.limbs[own.active_limb], OF_LIMBS)
+        draw_remove(buttons, "morph_retarget.remove_limb_settings", len(own.limbs) > 0).character = ob.name
+        item = chosen(own.limbs, own.active_limb)
+        if item is not None:
+            _draw_settings(layout, ob, item, OF_LIMBS)
 
 
 class MORPHRETARGET_PT_solver_tuning(InTab, bpy.types.Panel):
