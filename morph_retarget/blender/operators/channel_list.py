@@ -12,8 +12,8 @@ from ..morph import cast, definitions, keys, own_values, perform, tracks
 from ..morph.properties import MORPHRETARGET_PG_context, of_action, unlike
 from ..morph.values import MORPHRETARGET_PG_values
 from ..properties import of_rig
-from .generalized import FIRST, action_meant, add_channel, generalized_actions
-from .manners import Status, refuse, reporting, scene_in
+from .generalized import FIRST, action_meant, add_channel, any_generalized
+from .manners import Asking, Status, refuse, reporting, scene_in
 
 _OF_CHARACTER = ("position", "rotation", "weight", "target", "target_bone", "active_body")
 
@@ -27,7 +27,7 @@ class _OnList(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _: bpy.types.Context) -> bool:
-        return len(generalized_actions()) > 0 or refuse(cls, "There is no generalized action yet: make a new one")
+        return any_generalized(cls)
 
 
 class _OnChannel(_OnList):
@@ -162,16 +162,12 @@ class MORPHRETARGET_OT_move_channel(_OnChannel):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_add_deform(_OnChannel):
+class MORPHRETARGET_OT_add_deform(Asking, _OnChannel):
     bl_idname = "morph_retarget.add_deform"
     bl_label = "Add Deform"
     bl_description = "Add a scalar curve for shape keys and custom properties that are called like it"
 
     name: StringProperty(name="Name", description="Of the shape keys and properties, such as open", default="open")
-
-    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
-        assert context.window_manager is not None, "there is a window"
-        return context.window_manager.invoke_props_dialog(self)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

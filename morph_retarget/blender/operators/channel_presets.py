@@ -7,7 +7,7 @@ from ...core.errors import listed
 from ..morph import channel_presets
 from ..morph.properties import of_action
 from .generalized import action_meant, add_channel, generalized_actions
-from .manners import Status, refuse, reporting
+from .manners import Asking, Confirming, Status, refuse, reporting
 
 _ACTION = StringProperty(name="Action", description="Generalized action; that of the active character when empty")
 _NAME = StringProperty(name="Name", description="Name of the preset", default=channel_presets.BIPED)
@@ -17,7 +17,7 @@ def _poll(cls: type[bpy.types.Operator]) -> bool:
     return bool(generalized_actions()) or refuse(cls, "Make a generalized action first")
 
 
-class MORPHRETARGET_OT_save_channels(bpy.types.Operator):
+class MORPHRETARGET_OT_save_channels(Asking, bpy.types.Operator):
     bl_idname = "morph_retarget.save_channels"
     bl_label = "Save Channel Preset"
     bl_description = "Keep the channels of a generalized action for other actions and for Generalize Action"
@@ -29,10 +29,6 @@ class MORPHRETARGET_OT_save_channels(bpy.types.Operator):
     @classmethod
     def poll(cls, _: bpy.types.Context) -> bool:
         return _poll(cls)
-
-    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
-        assert context.window_manager is not None, "there is a window"
-        return context.window_manager.invoke_props_dialog(self)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -63,17 +59,13 @@ class MORPHRETARGET_OT_load_channels(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_delete_channels(bpy.types.Operator):
+class MORPHRETARGET_OT_delete_channels(Confirming, bpy.types.Operator):
     bl_idname = "morph_retarget.delete_channels"
     bl_label = "Delete Channel Preset"
     bl_description = "Delete this preset of your own for good; one that comes with the extension cannot be deleted"
     bl_options = {"REGISTER"}
 
     name: _NAME
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        assert context.window_manager is not None, "there is a window"
-        return context.window_manager.invoke_confirm(self, event)
 
     @reporting
     def execute(self, _: bpy.types.Context) -> Status:

@@ -87,6 +87,11 @@ def any_performer(cls: type[bpy.types.Operator], context: bpy.types.Context) -> 
     return playing or refuse(cls, "No character in the scene plays a generalized action")
 
 
+def any_generalized(cls: type[bpy.types.Operator]) -> bool:
+    """Return whether there is a generalized action, for a ``poll``."""
+    return len(generalized_actions()) > 0 or refuse(cls, "There is no generalized action yet: make a new one")
+
+
 def let_play(characters: Sequence[bpy.types.Object], action: bpy.types.Action) -> None:
     """Let characters play an action, all or none; what they played before is not lost.
 
@@ -150,7 +155,7 @@ class MORPHRETARGET_OT_add_character(OfSelected, bpy.types.Operator):
 
     @classmethod
     def poll(cls, _: bpy.types.Context) -> bool:
-        return len(generalized_actions()) > 0 or refuse(cls, "There is no generalized action yet: make a new one")
+        return any_generalized(cls)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

@@ -7,13 +7,8 @@ from ...core.errors import MotionError, RigError
 from .. import collect
 from ..morph import cast, keys, query, specialized
 from ..properties import of_rig
+from .generalized import any_performer
 from .manners import Status, refuse, reporting, scene_in, show_alone
-
-
-def _plays(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    if context.scene is None or not cast.performers(context.scene):
-        return refuse(cls, "No character in the scene plays a generalized action")
-    return True
 
 
 class _OfChannel:
@@ -21,6 +16,11 @@ class _OfChannel:
 
     character: StringProperty(name="Character", description="Armature object; the active one when empty")
     channel: StringProperty(name="Channel", description="Channel of its action; the active one when empty")
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        """Return whether there is any."""
+        return any_performer(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
     def meant(self, context: bpy.types.Context) -> tuple[bpy.types.Object, str]:
         """Return the character and the name of the channel that are meant.
@@ -49,10 +49,6 @@ class MORPHRETARGET_OT_key_channel(_OfChannel, bpy.types.Operator):
     deforms: BoolProperty(name="Deforms", description="Key the deforms")
     all_channels: BoolProperty(name="All Channels", description="Key all channels of the action")
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _plays(cls, context)
-
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         ob, channel = self.meant(context)
@@ -71,10 +67,6 @@ class MORPHRETARGET_OT_rest_channel(_OfChannel, bpy.types.Operator):
     bl_description = "Put a channel's position and rotation back to rest on all characters of the action"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _plays(cls, context)
-
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
         ob, channel = self.meant(context)
@@ -91,10 +83,6 @@ class MORPHRETARGET_OT_edit_specialized(_OfChannel, bpy.types.Operator):
         "what is reshaped there goes back into the channel's keys"
     )
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        return _plays(cls, context)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:

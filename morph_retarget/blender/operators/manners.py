@@ -46,6 +46,27 @@ class OfArmature:
         return armature_poll(cls, context)  # type: ignore[arg-type]  # the operator that this is part of
 
 
+class Asking:
+    """What operators share that ask for their settings first, where there is a window."""
+
+    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
+        """Ask in a dialog."""
+        return _windows(context).invoke_props_dialog(self)  # type: ignore[arg-type]
+
+
+class Confirming:
+    """What operators share that cannot be taken back."""
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
+        """Ask whether that is meant."""
+        return _windows(context).invoke_confirm(self, event)  # type: ignore[arg-type]
+
+
+def _windows(context: bpy.types.Context) -> bpy.types.WindowManager:
+    assert context.window_manager is not None, "there is a window"
+    return context.window_manager
+
+
 class OfSelected(OfArmature):
     """What operators on all selected armatures share; scripts may name one."""
 

@@ -17,7 +17,7 @@ from ...core.errors import MappingError, RigError
 from .. import bone_maps, collect, presets, rig
 from ..changes import together
 from ..properties import of_rig, of_scene
-from .manners import Status, refuse, reporting, rig_meant, scene_in, shown_rig
+from .manners import Asking, Confirming, Status, refuse, reporting, rig_meant, scene_in, shown_rig
 from .rigs import analyze
 
 _RIG = StringProperty(name="Rig", description="Armature object; the shown one when empty")
@@ -71,7 +71,7 @@ def _tell(operator: bpy.types.Operator, placed: Placed) -> None:
         operator.report({"WARNING"}, placed.told())
 
 
-class MORPHRETARGET_OT_save_preset(bpy.types.Operator):
+class MORPHRETARGET_OT_save_preset(Asking, bpy.types.Operator):
     bl_idname = "morph_retarget.save_preset"
     bl_label = "Save Joint Preset"
     bl_description = "Keep the shown rig's joints for other rigs with the same bones"
@@ -84,10 +84,6 @@ class MORPHRETARGET_OT_save_preset(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         ob = shown_rig(context)
         return (ob is not None and len(of_rig(ob).joints) > 0) or refuse(cls, "Analyze a rig first")
-
-    def invoke(self, context: bpy.types.Context, _: bpy.types.Event) -> Status:
-        assert context.window_manager is not None, "there is a window"
-        return context.window_manager.invoke_props_dialog(self)
 
     @reporting
     def execute(self, context: bpy.types.Context) -> Status:
@@ -114,17 +110,13 @@ class MORPHRETARGET_OT_load_preset(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class MORPHRETARGET_OT_delete_preset(bpy.types.Operator):
+class MORPHRETARGET_OT_delete_preset(Confirming, bpy.types.Operator):
     bl_idname = "morph_retarget.delete_preset"
     bl_label = "Delete Joint Preset"
     bl_description = "Delete this preset for good"
     bl_options = {"REGISTER"}
 
     name: StringProperty(name="Name", description="Name of the preset")
-
-    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> Status:
-        assert context.window_manager is not None, "there is a window"
-        return context.window_manager.invoke_confirm(self, event)
 
     @reporting
     def execute(self, _: bpy.types.Context) -> Status:

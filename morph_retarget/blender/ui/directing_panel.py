@@ -11,10 +11,10 @@ from ...core.clips.commands.command import Verb
 from ..directing import known
 from ..directing.parameters import Kind, MORPHRETARGET_PG_parameter
 from ..directing.properties import MORPHRETARGET_PG_command, MORPHRETARGET_PG_directing
-from ..locomotion import walks
 from ..morph import cast, query
 from ..properties import of_rig
 from .lists import Rows, chosen, draw_list, draw_remove
+from .locomotion_panel import draw_told
 from .tab import InTab, OfCharacter, say, split_layout, told
 
 _ICONS: dict[str, Any] = {Verb.START: "PLAY", Verb.STOP: "PAUSE", Verb.RESET: "LOOP_BACK"}
@@ -136,7 +136,7 @@ class MORPHRETARGET_PT_directing(OfCharacter, bpy.types.Panel):
         command = active_command(own)
         if command is not None:
             _draw_command(layout.column(), ob, command)
-        _draw_told(layout, ob, context)
+        draw_told(layout, ob, context)
         layout.prop(own, "obstacles")
 
 
@@ -199,17 +199,6 @@ def _draw_parameter(
         value.prop_search(item, "target_bone", item.target.data, "bones", text="")
     button = row.operator("morph_retarget.remove_parameter", text="", icon="X")
     button.character, button.name = ob.name, item.name
-
-
-def _draw_told(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context) -> None:
-    """Say what keeps a character from doing what it is told."""
-    problem = cast.problems.get(ob.session_uid) or walks.problems.get(ob.session_uid)
-    if problem:
-        say(layout, problem, "ERROR", context)
-        return
-    walk = walks.known(ob, context.scene)
-    for warning in walk.gait.warnings if walk is not None else ():
-        say(layout, warning, "INFO", context)
 
 
 CLASSES = (

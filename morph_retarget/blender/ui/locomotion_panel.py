@@ -67,7 +67,7 @@ class MORPHRETARGET_PT_locomotion(OfCharacter, bpy.types.Panel):
         column = layout.column()
         for name in FIRST:
             column.prop(own, name)
-        _draw_told(layout, ob, context)
+        draw_told(layout, ob, context, f"{ob.name}: ")
         _draw_diagram(layout, ob, context)
 
 
@@ -92,15 +92,15 @@ def _draw_way(layout: bpy.types.UILayout, ob: bpy.types.Object) -> None:
     layout.prop(own, "ground")
 
 
-def _draw_told(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context) -> None:
-    """Say what keeps a character from going as it shall."""
+def draw_told(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context, who: str = "") -> None:
+    """Say what keeps a character from going as it shall; of what comes out otherwise, ``who`` is said first."""
     problem = cast.problems.get(ob.session_uid) or walks.problems.get(ob.session_uid)
     if problem:
         say(layout, problem, "ERROR", context)
         return
     walk = walks.known(ob, context.scene)
     for warning in walk.gait.warnings if walk is not None else ():
-        say(layout, f"{ob.name}: {warning}", "INFO", context)
+        say(layout, who + warning, "INFO", context)
 
 
 def _draw_diagram(layout: bpy.types.UILayout, ob: bpy.types.Object, context: bpy.types.Context) -> None:
