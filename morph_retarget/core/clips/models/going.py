@@ -16,7 +16,7 @@ import numpy as np
 
 from ... import quat
 from ...arrays import Array, Flags
-from ..character_model import RATE, CharacterModel
+from ..character_model import RATE
 from ..clip import Clip, ClipPrimitive
 from ..commands.command import Command, Value, Verb
 from ..commands.parameters import Parameter, Parameters
@@ -28,7 +28,7 @@ from ..travel import Travel
 from .cycles import STILL, Cycle, Cycles, Way
 from .gone import Gone, Stage
 from .matching import phase_at
-from .motion_model import MotionModel
+from .motion_model import KindModel
 from .pace import Pace
 from .token import Token
 from .transitions import crossfade, held_on, kept_small, transition
@@ -56,26 +56,11 @@ TURNED_BACK = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Going(MotionModel):
-    """The motion model of one way to go."""
+class Going(KindModel):
+    """The motion model of one way to go; among its motions is a loop, and there may be starts and stops."""
 
-    kind: str
-    motions: tuple[BaseMotion, ...]
-    """Loops of it, at least one, and its starts and stops."""
-    scale: float = 1.0
-    """Lengths that commands name over those of the body."""
     phases: dict[str, float] = field(default_factory=dict[str, float], repr=False)
     """Where in the cycle start clips end, stop clips begin, and the body is as if it stood, as far as it was needed."""
-
-    @property
-    def name(self) -> str:
-        """By which commands address it."""
-        return self.kind
-
-    @property
-    def model(self) -> CharacterModel:
-        """The body that it moves."""
-        return self.motions[0].clip.model
 
     @property
     def family(self) -> str:

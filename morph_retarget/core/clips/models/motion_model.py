@@ -5,12 +5,14 @@ moves. It keeps nothing: what it has to know later is in the token that it retur
 """
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 from ...arrays import Flags
 from ..character_model import CharacterModel
 from ..clip import Clip
 from ..commands.command import Command
 from ..commands.parameters import Parameters
+from ..motions.base_motion import BaseMotion
 from .token import Token
 
 
@@ -69,3 +71,24 @@ class MotionModel(ABC):
         """
         assert token.tree is not None, "it waits"
         return token.tree
+
+
+@dataclass(frozen=True, eq=False)
+class KindModel(MotionModel):
+    """What the models of one kind of base motions share."""
+
+    kind: str
+    motions: tuple[BaseMotion, ...]
+    """Base motions of the kind, at least one."""
+    scale: float = 1.0
+    """Lengths that commands name over those of the body."""
+
+    @property
+    def name(self) -> str:
+        """By which commands address it: its kind."""
+        return self.kind
+
+    @property
+    def model(self) -> CharacterModel:
+        """The body that it moves."""
+        return self.motions[0].clip.model

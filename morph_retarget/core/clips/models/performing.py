@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Flags
-from ..character_model import RATE, CharacterModel
+from ..character_model import RATE
 from ..clip import Clip
 from ..commands.command import Command, Value, Verb
 from ..commands.parameters import Parameter, Parameters
@@ -25,7 +25,7 @@ from ..operators.section import Section
 from ..operators.time_shift import started_at
 from ..operators.time_warp import TimeWarp
 from .blend_space import BlendSpace
-from .motion_model import MotionModel
+from .motion_model import KindModel
 from .token import Token
 from .transitions import crossfade
 
@@ -53,26 +53,11 @@ class Performed:
 
 
 @dataclass(frozen=True, eq=False)
-class Performing(MotionModel):
-    """The motion model of one kind of base motions."""
+class Performing(KindModel):
+    """The motion model of one kind of base motions that begin, are done and are over."""
 
-    kind: str
-    motions: tuple[BaseMotion, ...]
-    """At least one."""
-    scale: float = 1.0
-    """Lengths that commands name over those of the body."""
     beneath: bool = False
     """Whether all others may take its joints: idling."""
-
-    @property
-    def name(self) -> str:
-        """By which commands address it."""
-        return self.kind
-
-    @property
-    def model(self) -> CharacterModel:
-        """The body that it moves."""
-        return self.motions[0].clip.model
 
     @property
     def parameters(self) -> Parameters:
