@@ -1,6 +1,7 @@
 """What the tests in Blender share: an empty file for each test, the command line, and files to work on."""
 
 import os
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 
 from morph_retarget.blender.retarget import Source
 from morph_retarget.core.arrays import Array
-from tests.blender import command, control_rigs, scenes
+from tests.blender import command, control_rigs, scenes, window
 from tests.blender.command import Command, Refused
 from tests.blender.files import Files
 from tests.blender.imported import Imported
@@ -19,6 +20,13 @@ from tools.figure import blender
 def _empty_file() -> None:
     """Start each test with an empty file, whatever the one before has left open."""
     scenes.empty()
+
+
+@pytest.fixture
+def registered(_empty_file: None) -> Iterator[None]:
+    """Register the extension for a test."""
+    with window.registered():
+        yield
 
 
 @pytest.fixture

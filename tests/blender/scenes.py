@@ -81,6 +81,15 @@ def stand(ob: bpy.types.Object, place: Array, parent: bpy.types.Object | None = 
     bpy.context.view_layer.update()
 
 
+def select(*obs: bpy.types.Object) -> None:
+    """Select some objects and no others, in Object mode; the last one becomes the active one."""
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other in obs)
+    bpy.context.view_layer.objects.active = obs[-1] if obs else None
+
+
 def empty_object(name: str = "Empty") -> bpy.types.Object:
     """Return a new object without data."""
     ob = bpy.data.objects.new(name, None)
@@ -202,6 +211,11 @@ def directions(
 def angle(a: Array, b: Array) -> float:
     """Return the largest angle between unit vectors that should be one [deg]."""
     return float(np.degrees(2.0 * np.arcsin(np.clip(np.linalg.norm(a - b, axis=-1) / 2.0, 0.0, 1.0))).max())
+
+
+def difference(a: Array, b: Array) -> float:
+    """Return the largest difference between numbers that should be one."""
+    return float(np.abs(a - b).max())
 
 
 def apart(a: Array, b: Array) -> float:

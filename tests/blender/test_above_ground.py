@@ -1,6 +1,5 @@
 """Staying above the ground: tails that an action turns down lie on it, live, baked and on the command line."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -12,18 +11,14 @@ from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.morph.context import Context
-from tests.blender import acting, acts, results, scenes, window
+from tests.blender import acting, acts, results, scenes
 from tests.blender.acts import Act
 from tests.blender.command import Command
 
 TAIL = Channel("Tail", Context(Capability.TAIL), poses_position=False)
 DOWN = (float(np.cos(0.3)), -float(np.sin(0.3)), 0.0, 0.0)
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _act() -> Act:

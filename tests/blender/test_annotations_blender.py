@@ -1,6 +1,5 @@
 """Annotations on actions: kept, read as the core takes them, and written by what finds them."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -11,7 +10,7 @@ from morph_retarget.blender.directing.annotations import MORPHRETARGET_PG_annota
 from morph_retarget.blender.morph import definitions
 from morph_retarget.core.clips.motions.annotations import Annotations, Phase, Strike, Strokes
 from morph_retarget.core.errors import MotionError
-from tests.blender import scenes, window
+from tests.blender import scenes
 
 FEET = ["Foot.L", "Foot.R"]
 FOUR = ["A", "B", "C", "D"]
@@ -30,11 +29,7 @@ FULL = Annotations(
     parameters={"height": 0.4, "speed": 1.2},
 )
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _action() -> bpy.types.Action:

@@ -1,7 +1,5 @@
 """Baking: the ordinary action shows what the generalized one showed live, and nothing else has changed."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -15,17 +13,13 @@ from morph_retarget.core.errors import MotionError
 from morph_retarget.core.morph.branch import Answer
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.morph.context import Context
-from tests.blender import acting, scenes, window
+from tests.blender import acting, scenes
 from tests.blender.acting import FEET, HANDS, REACH
 
 ops = bpy.ops.morph_retarget
 FRAMES = range(1, 22, 2)
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "XYZ", "AXIS_ANGLE"])

@@ -1,7 +1,7 @@
 """Bone maps of other tools, in the window and on the command line."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import bpy
@@ -21,12 +21,6 @@ from tools.figure import blender, vrm
 ops = bpy.ops.morph_retarget
 PRESETS = {"map": "Unity Humanoid", "source-map": "VRM"}
 ARM = ("UpperArm", "LowerArm", "Hand")
-
-
-@pytest.fixture
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
 
 
 def _keemap(path: Path, joints: Mapping[str, str]) -> Path:
@@ -56,7 +50,7 @@ def _crossed() -> dict[str, str]:
 # --- the window ---
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_a_map_of_pairs_gives_the_target_its_joints(tmp_path: Path) -> None:
     _, _, target = window.pair()
     path = _keemap(tmp_path / "map.json", _crossed() | {"hips": "ghost"})
@@ -64,7 +58,7 @@ def test_a_map_of_pairs_gives_the_target_its_joints(tmp_path: Path) -> None:
     assert _given(target) == {ours: blender(theirs) for ours, theirs in _crossed().items()}
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_presets_of_families_are_offered_and_loaded_by_their_names(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,7 +76,7 @@ def test_presets_of_families_are_offered_and_loaded_by_their_names(
     assert of_rig(source).joints["head"].bone == "head", "one's own preset of that name counts"
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 @pytest.mark.parametrize("form", ["OURS", "KEEMAP", "ROKOKO"])
 def test_what_the_window_writes_for_a_tool_it_reads_again(tmp_path: Path, form: str) -> None:
     _, source, target = window.pair()
@@ -98,7 +92,7 @@ def test_what_the_window_writes_for_a_tool_it_reads_again(tmp_path: Path, form: 
     assert of_rig(target).joints["leftHand"].bone == "Hand.R"
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_a_map_for_two_rigs_wants_both(tmp_path: Path) -> None:
     settings, _, target = window.pair()
     ops.analyze(rig=target.name)
@@ -108,7 +102,7 @@ def test_a_map_for_two_rigs_wants_both(tmp_path: Path) -> None:
     assert contents(tmp_path) == {}
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_a_map_that_is_refused_changes_nothing(tmp_path: Path) -> None:
     _, _, target = window.pair()
     ops.analyze(rig=target.name)
@@ -124,7 +118,7 @@ def test_a_map_that_is_refused_changes_nothing(tmp_path: Path) -> None:
     assert target.name == "Sprout", "nothing of it was run"
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_names_of_controls_become_the_controls_of_joints(rigify_file: Path, tmp_path: Path) -> None:
     bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
     slots = {"spine.hips": "torso", "left_arm.arm": "upper_arm_fk.L", "right_leg.foot": "DEF-foot.R"}

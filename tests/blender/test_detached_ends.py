@@ -1,6 +1,5 @@
 """Feet that hang on the root bone, as baked inverse kinematics leaves them: moved live and in bakes."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -15,7 +14,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, scenes
 from tests.blender.acts import Act
 
 FOOT = Channel("Foot", Context(Capability.FOOT, side=Side.LEFT), Movement(scale=ScaleMode.CREATURE_SIZE))
@@ -28,11 +27,7 @@ FRAMES = [float(frame) for frame in range(1, 21)]
 NEAR = 1e-5
 """What places are off by, as a share of the character's size: Blender's poses are single precision."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _standing(data: Path, file: str) -> Act:

@@ -1,39 +1,28 @@
 """Commands in files: saved, loaded, linked and overridden."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 import pytest
 
-from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.morph import cast
-from morph_retarget.blender.properties import of_rig
-from tests.blender import acts, scenes, window
+from tests.blender import acts, directed, scenes
+from tests.blender.directed import own
 
 ops = bpy.ops.morph_retarget
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
-
-
-def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
-    return of_rig(ob).directing
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _words(ob: bpy.types.Object) -> list[str]:
-    return [f"{command.time * scenes.FPS:g} {command}" for command in _own(ob).commands_of(bpy.context.scene)]
+    return [f"{command.time * scenes.FPS:g} {command}" for command in own(ob).commands_of(bpy.context.scene)]
 
 
 def _directed() -> bpy.types.Object:
     """Return a creature with two commands, in a new file."""
-    ob = acts.creature("biped")
-    ops.direct(character=ob.name)
-    _own(ob).command(9, "start", "gaze", target=acts.empty_object("Ball", (1, 2, 3)), speed=2)
-    _own(ob).command(4, "start", "walk", at=(1, 2, 3), on=True, style="sneak")
+    ob = directed.biped()
+    own(ob).command(9, "start", "gaze", target=acts.empty_object("Ball", (1, 2, 3)), speed=2)
+    own(ob).command(4, "start", "walk", at=(1, 2, 3), on=True, style="sneak")
     return ob
 
 
@@ -56,19 +45,15 @@ def _opened(path: Path) -> bpy.types.Object:
 def _linked(path: Path) -> bpy.types.Object:
     """Link the character of a file into a new one."""
     scenes.empty()
-    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
-        wanted.objects = ["Biped"]
-    ob = bpy.data.objects["Biped"]
-    bpy.context.scene.collection.objects.link(ob)
-    return ob
+    return scenes.link(path, "Biped")
 
 
 def test_a_loaded_file_has_all_commands(tmp_path: Path) -> None:
     _directed()
     ob = _opened(_saved(tmp_path / "act.blend"))
     assert _words(ob) == WAS
-    assert _own(ob).enabled
-    assert _own(ob).targets == {"Ball": (bpy.data.objects["Ball"], "")}
+    assert own(ob).enabled
+    assert own(ob).targets == {"Ball": (bpy.data.objects["Ball"], "")}
 
 
 def test_commands_of_a_linked_character_are_read_and_not_changed(tmp_path: Path) -> None:
@@ -99,9 +84,9 @@ def test_an_override_adds_commands_to_those_of_its_library_and_mutes_them(tmp_pa
     _directed()
     linked = _linked(_saved(tmp_path / "act.blend"))
     ob = linked.override_create(remap_local_usages=True)
-    _own(ob).command(20, "stop", "walk")
-    _own(ob).command(30, "start", "wave", side="left", speed=1.5)
-    _own(ob).commands[0].mute = True
+    own(ob).command(20, "stop", "walk")
+    own(ob).command(30, "start", "wave", side="left", speed=1.5)
+    own(ob).commands[0].mute = True
     with pytest.raises(RuntimeError, match="comes from its library: mute it instead"):
         ops.remove_command(character=ob.name, place=0)
     mine = ["20 stop walk", "30 start wave side left speed 1.5"]
@@ -117,10 +102,10 @@ def test_an_override_changes_what_the_commands_of_its_library_say(tmp_path: Path
     _directed()
     linked = _linked(_saved(tmp_path / "act.blend"))
     ob = linked.override_create(remap_local_usages=True)
-    _own(ob).commands[0].set("speed", 3.0)
-    _own(ob).commands[0].set("target", acts.empty_object("Apple", (0, 0, 1)))
-    _own(ob).commands[1].frame = 5
-    _own(ob).commands[1].set("turn", 0.5)
+    own(ob).commands[0].set("speed", 3.0)
+    own(ob).commands[0].set("target", acts.empty_object("Apple", (0, 0, 1)))
+    own(ob).commands[1].frame = 5
+    own(ob).commands[1].set("turn", 0.5)
     said = ["5 start walk at (1.0, 2.0, 3.0) on True style sneak turn 0.5", "9 start gaze target Apple speed 3.0"]
     assert _words(ob) == said
     assert _words(_opened(_saved(tmp_path / "scene.blend"))) == said

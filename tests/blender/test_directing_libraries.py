@@ -1,6 +1,5 @@
 """Libraries of motions: built from actions and files, saved, loaded, and used by commands."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -8,45 +7,29 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender.directing import annotations, clips, libraries
-from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.locomotion import walks
 from morph_retarget.blender.morph import analyses
-from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.clips.motions import library_file
 from morph_retarget.core.clips.motions.library import Library
 from morph_retarget.core.directing.building import Builder
 from morph_retarget.core.directing.performing import model_of
 from morph_retarget.core.errors import FileError
-from tests.blender import scenes, window
+from tests.blender import scenes
+from tests.blender.directed import own
 from tools import gait
 
 ops = bpy.ops.morph_retarget
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
 def ob() -> bpy.types.Object:
     """Return a small humanoid that does what it is told."""
     made = scenes.sprout()
-    _choose(made)
+    scenes.select(made)
     ops.direct(character=made.name)
     return made
-
-
-def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
-    return of_rig(ob).directing
-
-
-def _choose(*obs: bpy.types.Object) -> None:
-    """Select some objects, the last of which becomes the active one."""
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other in obs)
-    bpy.context.view_layer.objects.active = obs[-1]
 
 
 def _library(path: Path) -> Library:
@@ -55,7 +38,7 @@ def _library(path: Path) -> Library:
 
 def test_a_library_is_built_from_the_actions_of_selected_armatures(ob: bpy.types.Object, tmp_path: Path) -> None:
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
-    _choose(walker, ob)
+    scenes.select(walker, ob)
     assert ops.build_library(filepath=str(tmp_path / "mine")) == {"FINISHED"}
     library = _library(tmp_path / "mine.npz")
     assert library.model.names == tuple(analyses.of(ob)[1].skeleton.names), "its body is the character's"
@@ -64,14 +47,14 @@ def test_a_library_is_built_from_the_actions_of_selected_armatures(ob: bpy.types
     assert walk.annotations.cycle
     rounds = walk.clip.length / (scenes.STEP * 30.0)
     assert rounds == pytest.approx(round(rounds), abs=0.05)
-    assert Path(_own(ob).library) == tmp_path / "mine.npz"
+    assert Path(own(ob).library) == tmp_path / "mine.npz"
     assert walker.animation_data.action.name == "Walk"
 
 
 def test_a_built_library_is_what_commands_use(ob: bpy.types.Object, tmp_path: Path) -> None:
-    _choose(scenes.walker(seconds=2.0 * scenes.STEP), ob)
+    scenes.select(scenes.walker(seconds=2.0 * scenes.STEP), ob)
     ops.build_library(filepath=str(tmp_path / "mine.npz"))
-    _own(ob).command(10, "start", "walk")
+    own(ob).command(10, "start", "walk")
     bpy.context.scene.frame_set(60)
     assert not walks.problems
     walk = walks.known(ob, bpy.context.scene)
@@ -83,11 +66,11 @@ def test_a_built_library_is_what_commands_use(ob: bpy.types.Object, tmp_path: Pa
 def test_annotations_made_by_hand_count(ob: bpy.types.Object, tmp_path: Path) -> None:
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
     action = walker.animation_data.action
-    own = annotations.of_action(action)
-    own.kind, own.style, own.cycle, own.turn_rate, own.phase = "march", "proud", True, 0.5, "loop"
+    told = annotations.of_action(action)
+    told.kind, told.style, told.cycle, told.turn_rate, told.phase = "march", "proud", True, 0.5, "loop"
     action.pose_markers.new("strike right").frame = 11
     action.use_frame_range, action.frame_start, action.frame_end = True, 1, 35
-    _choose(walker, ob)
+    scenes.select(walker, ob)
     ops.build_library(filepath=str(tmp_path / "mine.npz"))
     (march,) = _library(tmp_path / "mine.npz").motions
     known = march.annotations
@@ -102,14 +85,14 @@ def test_a_folder_of_clips_is_taken_and_nothing_of_it_stays(
     folder = tmp_path / "clips"
     folder.mkdir()
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
-    _choose(walker)
+    scenes.select(walker)
     bpy.ops.export_anim.bvh(filepath=str(folder / "stroll.bvh"), frame_start=1, frame_end=68)
     bpy.data.objects.remove(walker)
     bpy.data.actions.remove(bpy.data.actions["Walk"])
     bpy.context.view_layer.update()
     (folder / "broken.bvh").write_text("HIERARCHY")
     (folder / "notes.txt").write_text("nothing")
-    _choose(ob)
+    scenes.select(ob)
     before = [set(kind) for kind in (bpy.data.objects, bpy.data.actions, bpy.data.armatures)]
     rate = bpy.context.scene.render.fps
     assert ops.build_library(filepath=str(tmp_path / "mine.npz"), folder=str(folder)) == {"FINISHED"}
@@ -126,7 +109,7 @@ def test_a_folder_of_clips_is_taken_and_nothing_of_it_stays(
 
 def test_motions_are_added_to_a_library(ob: bpy.types.Object, tmp_path: Path) -> None:
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
-    _choose(walker, ob)
+    scenes.select(walker, ob)
     ops.build_library(filepath=str(tmp_path / "mine.npz"))
     bpy.context.scene.frame_set(30)
     assert "Walk 2" not in [motion.name for motion in libraries.read(tmp_path / "mine.npz").motions]
@@ -137,15 +120,15 @@ def test_motions_are_added_to_a_library(ob: bpy.types.Object, tmp_path: Path) ->
 
 
 def test_a_new_library_goes_beside_the_open_file_under_a_free_name(ob: bpy.types.Object, tmp_path: Path) -> None:
-    _choose(scenes.walker(seconds=2.0 * scenes.STEP), ob)
+    scenes.select(scenes.walker(seconds=2.0 * scenes.STEP), ob)
     with pytest.raises(RuntimeError, match="has no folder yet, beside which the library goes: save it first"):
         ops.build_library()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     ob = bpy.data.objects["Sprout"]
     ops.build_library()
-    assert _own(ob).library == "//Sprout.npz"
+    assert own(ob).library == "//Sprout.npz"
     ops.build_library()
-    assert _own(ob).library == "//Sprout 2.npz"
+    assert own(ob).library == "//Sprout 2.npz"
     assert sorted(path.name for path in tmp_path.glob("*.npz")) == ["Sprout 2.npz", "Sprout.npz"]
 
 
@@ -159,14 +142,14 @@ def test_what_cannot_be_built_is_told_and_nothing_is_written(ob: bpy.types.Objec
     with pytest.raises(RuntimeError, match="no clip could be used: Twitch is left out: it has 2 frames"):
         ops.build_library(filepath=str(path))
     assert not path.exists()
-    assert not _own(ob).library
+    assert not own(ob).library
 
 
 def test_stopping_a_build_leaves_everything_as_it_was(ob: bpy.types.Object, tmp_path: Path) -> None:
     folder = tmp_path / "clips"
     folder.mkdir()
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
-    _choose(walker)
+    scenes.select(walker)
     bpy.ops.export_anim.bvh(filepath=str(folder / "stroll.bvh"), frame_start=1, frame_end=68)
     before = [set(kind) for kind in (bpy.data.objects, bpy.data.actions)]
     builder = Builder(Library(model_of(analyses.of(ob)[1])))
@@ -181,7 +164,7 @@ def test_libraries_are_saved_and_loaded(ob: bpy.types.Object, tmp_path: Path) ->
     assert ops.save_library(filepath=str(path)) == {"FINISHED"}
     assert {"idle", "walk", "run"} <= set(_library(path).kinds)
     assert ops.load_library(filepath=str(path)) == {"FINISHED"}
-    assert Path(_own(ob).library) == path
+    assert Path(own(ob).library) == path
     other = tmp_path / "again.npz"
     ops.save_library(filepath=str(other))
     assert _library(other).kinds == _library(path).kinds
@@ -189,7 +172,7 @@ def test_libraries_are_saved_and_loaded(ob: bpy.types.Object, tmp_path: Path) ->
     broken.write_bytes(path.read_bytes()[:500])
     with pytest.raises(RuntimeError, match=r"broken\.npz"):
         ops.load_library(filepath=str(broken))
-    assert Path(_own(ob).library) == path
+    assert Path(own(ob).library) == path
     with pytest.raises(FileError, match=r"none\.npz"):
         libraries.read(tmp_path / "none.npz")
 
@@ -199,13 +182,13 @@ def test_libraries_are_saved_and_loaded(ob: bpy.types.Object, tmp_path: Path) ->
 
 def test_annotations_are_found_and_told_by_markers() -> None:
     walker = scenes.walker(seconds=3.0 * scenes.STEP)
-    _choose(walker)
+    scenes.select(walker)
     action = walker.animation_data.action
     annotations.of_action(action).style = "usual"
     assert ops.find_annotations() == {"FINISHED"}
-    own = annotations.of_action(action)
-    assert (own.kind, own.style) == ("walk", "usual")
-    assert own.speed == pytest.approx(gait.SPEED, rel=0.2)
+    found = annotations.of_action(action)
+    assert (found.kind, found.style) == ("walk", "usual")
+    assert found.speed == pytest.approx(gait.SPEED, rel=0.2)
     names = {marker.name for marker in action.pose_markers}
     assert names == {"strike left", "strike right"}
     frames = sorted(marker.frame for marker in action.pose_markers)
@@ -213,14 +196,14 @@ def test_annotations_are_found_and_told_by_markers() -> None:
     ops.find_annotations()
     assert sorted(marker.frame for marker in action.pose_markers) == frames, "found anew, not added"
     assert ops.clear_annotations() == {"FINISHED"}
-    assert not own.is_annotated
+    assert not found.is_annotated
     assert not len(action.pose_markers)
 
 
 def test_annotations_of_a_named_action_and_armature() -> None:
     walker = scenes.walker(seconds=2.0 * scenes.STEP)
     scenes.key(walker, "Other", {"location": np.zeros((5, 3))})
-    _choose(scenes.sprout())
+    scenes.select(scenes.sprout())
     assert ops.find_annotations(armature=walker.name, action="Walk") == {"FINISHED"}
     assert annotations.of_action(bpy.data.actions["Walk"]).kind == "walk"
     with pytest.raises(RuntimeError, match="has no action 'Nothing'"):

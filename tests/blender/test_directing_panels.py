@@ -1,20 +1,18 @@
 """The panels of directing: what they show, and that showing changes nothing."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
 
-from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.morph import analyses
 from morph_retarget.blender.operators import directing as operators
-from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import directing_panel, motion_tree
 from morph_retarget.core.clips.motions import library_file
 from morph_retarget.core.directing import starter
-from tests.blender import acts, window
+from tests.blender import acts, directed, window
+from tests.blender.directed import own
 from tests.blender.layouts import Layout, drawn
 
 ops = bpy.ops.morph_retarget
@@ -25,20 +23,13 @@ MENUS = [
     directing_panel.MORPHRETARGET_MT_commands,
 ]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
 def ob() -> bpy.types.Object:
     """Return a creature that is the active object and does what it is told."""
-    made = acts.creature("biped")
-    bpy.context.view_layer.objects.active = made
-    ops.direct(character=made.name)
-    return made
+    return directed.biped()
 
 
 @pytest.fixture(scope="module")
@@ -49,10 +40,6 @@ def library(tmp_path_factory: pytest.TempPathFactory) -> str:
         path = tmp_path_factory.mktemp("library") / "small.npz"
         library_file.save(starter.starter(character, ["idle", "walk", "run"]), path)
     return str(path)
-
-
-def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
-    return of_rig(ob).directing
 
 
 def _operators(layout: Layout) -> list[str]:
@@ -69,8 +56,8 @@ def test_without_directing_the_panel_offers_it() -> None:
 def test_the_panel_lists_commands_and_what_is_said_about_the_active_one(ob: bpy.types.Object) -> None:
     ball = acts.empty_object("Ball", (0, 0, 1))
     bpy.context.view_layer.objects.active = ob
-    _own(ob).command(60, "stop", "walk")
-    _own(ob).command(10, "start", "gaze", target=ball, odd=(1, 2, 3), also="x", on=True, by=ob.pose.bones["Head"])
+    own(ob).command(60, "stop", "walk")
+    own(ob).command(10, "start", "gaze", target=ball, odd=(1, 2, 3), also="x", on=True, by=ob.pose.bones["Head"])
     found = drawn(*PANELS)
     assert "gaze  target Ball, odd (1, 2, 3), also x, on yes, by Biped : Head" in found.texts
     assert {"PLAY", "PAUSE"} <= set(found.icons)
@@ -82,19 +69,19 @@ def test_the_panel_lists_commands_and_what_is_said_about_the_active_one(ob: bpy.
 
 def test_a_list_is_shown_in_order_of_time_and_can_be_searched(ob: bpy.types.Object) -> None:
     for frame, model in ((30, "walk"), (10, "run"), (20, "walk")):
-        _own(ob).command(frame, "start", model)
+        own(ob).command(frame, "start", model)
     bits = SimpleNamespace(filter_name="", bitflag_filter_item=4)
     arrange = directing_panel.MORPHRETARGET_UL_commands.filter_items
-    flags, places = arrange(bits, bpy.context, _own(ob), "commands")
+    flags, places = arrange(bits, bpy.context, own(ob), "commands")
     assert (list(flags), places) == ([], [2, 0, 1])
     bits.filter_name = "wal"
-    flags, _ = arrange(bits, bpy.context, _own(ob), "commands")
+    flags, _ = arrange(bits, bpy.context, own(ob), "commands")
     assert [bool(flag & 4) for flag in flags] == [True, False, True]
 
 
 def test_menus_offer_what_the_library_has_and_what_can_be_said(ob: bpy.types.Object, library: str) -> None:
-    _own(ob).library = library
-    _own(ob).command(1, "start", "walk", speed=1.0)
+    own(ob).library = library
+    own(ob).command(1, "start", "walk", speed=1.0)
     bpy.context.scene.frame_set(5)
     found = drawn(directing_panel.MORPHRETARGET_MT_add_command)
     assert {"idle", "run", "walk", "gaze"} <= set(found.texts)
@@ -106,8 +93,8 @@ def test_menus_offer_what_the_library_has_and_what_can_be_said(ob: bpy.types.Obj
 
 
 def test_a_parameter_that_is_known_has_its_usual_value_and_its_tooltip(ob: bpy.types.Object, library: str) -> None:
-    _own(ob).library = library
-    item = _own(ob).command(1, "start", "walk")
+    own(ob).library = library
+    item = own(ob).command(1, "start", "walk")
     bpy.context.scene.frame_set(5)
     ops.add_parameter(name="speed")
     assert 0.3 < item.parameters["speed"].number < 3.0
@@ -122,9 +109,9 @@ def test_a_parameter_that_is_known_has_its_usual_value_and_its_tooltip(ob: bpy.t
 
 def test_the_motion_tree_shows_what_the_present_frame_is_made_from(ob: bpy.types.Object, library: str) -> None:
     assert drawn(motion_tree.MORPHRETARGET_PT_motion_tree).texts[0] == "idle"
-    _own(ob).library = library
-    _own(ob).command(10, "start", "walk")
-    _own(ob).command(60, "start", "run")
+    own(ob).library = library
+    own(ob).command(10, "start", "walk")
+    own(ob).command(60, "start", "run")
     seen: dict[int, list[str]] = {}
     for frame in (30, 120):
         bpy.context.scene.frame_set(frame)
@@ -135,18 +122,18 @@ def test_the_motion_tree_shows_what_the_present_frame_is_made_from(ob: bpy.types
 
 
 def test_what_keeps_a_character_from_obeying_is_told(ob: bpy.types.Object, library: str, tmp_path: Path) -> None:
-    _own(ob).library = library
-    _own(ob).command(10, "start", "dance")
+    own(ob).library = library
+    own(ob).command(10, "start", "dance")
     bpy.context.scene.frame_set(5)
     assert "dance" in " ".join(drawn(*PANELS).texts)
-    _own(ob).library = str(tmp_path / "none.npz")
+    own(ob).library = str(tmp_path / "none.npz")
     bpy.context.scene.frame_set(6)
     assert "none.npz" in " ".join(drawn(*PANELS).texts).replace(" ", "")
 
 
 def test_drawing_changes_nothing(ob: bpy.types.Object) -> None:
-    _own(ob).command(10, "start", "walk", speed=1.0)
-    before = repr(_own(ob).commands_of(bpy.context.scene))
+    own(ob).command(10, "start", "walk", speed=1.0)
+    before = repr(own(ob).commands_of(bpy.context.scene))
     for _ in range(2):
         drawn(*PANELS, *MENUS)
-    assert repr(_own(ob).commands_of(bpy.context.scene)) == before
+    assert repr(own(ob).commands_of(bpy.context.scene)) == before

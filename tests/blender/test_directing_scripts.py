@@ -1,16 +1,14 @@
 """Scripts of commands in Blender: brought in from files and texts, and written to them."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
-from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
-from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.clips.commands.parameters import told
-from tests.blender import acts, scenes, window
+from tests.blender import acts, directed, scenes
+from tests.blender.directed import own
 
 ops = bpy.ops.morph_retarget
 
@@ -44,31 +42,21 @@ MARKUP = """<?xml version="1.0"?>
 </bml>
 """
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
 def ob() -> bpy.types.Object:
     """Return a creature that is the active object, stands elsewhere, and does what it is told."""
-    made = acts.creature("biped")
-    bpy.context.view_layer.objects.active = made
-    ops.direct(character=made.name)
+    made = directed.biped()
     made.location, made.rotation_euler = (3.0, 0.0, 0.0), (0.0, 0.0, np.pi)
     bpy.context.view_layer.update()
     return made
 
 
-def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
-    return of_rig(ob).directing
-
-
 def _words(ob: bpy.types.Object) -> list[tuple[float, str, str]]:
-    own = _own(ob)
-    return [(own.commands[i].frame, own.commands[i].words, own.commands[i].how) for i in own.order]
+    told = own(ob)
+    return [(told.commands[i].frame, told.commands[i].words, told.commands[i].how) for i in told.order]
 
 
 def test_a_script_becomes_commands_empties_and_warnings(
@@ -88,8 +76,8 @@ def test_a_script_becomes_commands_empties_and_warnings(
     ball = bpy.data.objects["ball"]
     assert ball.type == "EMPTY"
     assert ball.location[:] == pytest.approx((2.5, 2.0, 1.0)), "as the character sees it"
-    assert _own(ob).commands[2].parameters["target"].target == cup
-    assert Path(_own(ob).library) == tmp_path / "mine.npz"
+    assert own(ob).commands[2].parameters["target"].target == cup
+    assert Path(own(ob).library) == tmp_path / "mine.npz"
     assert "dance.toml, line " in capfd.readouterr().out
 
 
@@ -97,10 +85,10 @@ def test_what_is_wrong_with_a_command_is_told_with_its_line_in_the_script(ob: bp
     path = tmp_path / "dance.toml"
     path.write_text("[[command]]\nat = 1.0\nstart = 'fly'\n")
     ops.import_commands(filepath=str(path))
-    [command] = _own(ob).commands_of(bpy.context.scene)
+    [command] = own(ob).commands_of(bpy.context.scene)
     assert told(command, "there is none").startswith("dance.toml, line 1 (frame ")
-    _own(ob).command(5, "start", "fly")
-    assert _own(ob).commands_of(bpy.context.scene)[0].origin == "frame 5", "what was given here has no script"
+    own(ob).command(5, "start", "fly")
+    assert own(ob).commands_of(bpy.context.scene)[0].origin == "frame 5", "what was given here has no script"
 
 
 def test_reading_a_script_again_moves_its_empties_and_may_replace_the_commands(
@@ -111,25 +99,25 @@ def test_reading_a_script_again_moves_its_empties_and_may_replace_the_commands(
     ops.import_commands(filepath=str(path))
     path.write_text(SCRIPT.replace("0.5, -2.0, 1.0", "0.0, 0.0, 2.0"))
     ops.import_commands(filepath=str(path), replace=True)
-    assert len(_own(ob).commands) == 4
+    assert len(own(ob).commands) == 4
     assert bpy.data.objects["ball"].location[:] == pytest.approx((3.0, 0.0, 2.0))
     assert "ball.001" not in bpy.data.objects
     ops.import_commands(filepath=str(path))
-    assert len(_own(ob).commands) == 8
+    assert len(own(ob).commands) == 8
 
 
 @pytest.mark.parametrize("text", ["", "Notes"], ids=["file", "text"])
 def test_what_is_written_is_read_as_the_same_commands(ob: bpy.types.Object, tmp_path: Path, text: str) -> None:
     ball, path = acts.empty_object("Ball", (1, 2, 3)), str(tmp_path / "out.toml")
-    _own(ob).command(12.5, "start", "walk", speed=1.2, style="a b", on=True, place=(1.0, 2.0, 3.0))
-    _own(ob).command(20, "start", "reach", target=ball)
-    _own(ob).command(30, "stop", "walk")
+    own(ob).command(12.5, "start", "walk", speed=1.2, style="a b", on=True, place=(1.0, 2.0, 3.0))
+    own(ob).command(20, "start", "reach", target=ball)
+    own(ob).command(30, "stop", "walk")
     was = _words(ob)
     assert ops.export_commands(filepath=path, text=text) == {"FINISHED"}
-    _own(ob).clear()
+    own(ob).clear()
     assert ops.import_commands(filepath=path, text=text) == {"FINISHED"}
     assert _words(ob) == was
-    assert _own(ob).commands[1].parameters["target"].target == ball
+    assert own(ob).commands[1].parameters["target"].target == ball
 
 
 def test_markup_is_told_by_its_name_or_how_it_begins(ob: bpy.types.Object, tmp_path: Path) -> None:
@@ -152,10 +140,10 @@ def test_files_that_are_no_scripts_are_told(ob: bpy.types.Object, tmp_path: Path
     ):
         with pytest.raises(RuntimeError, match=said):
             ops.import_commands(**given)
-    assert not len(_own(ob).commands)
+    assert not len(own(ob).commands)
     with pytest.raises(RuntimeError, match="has no commands to write"):
         ops.export_commands(filepath=str(tmp_path / "out.toml"))
-    _own(ob).command(1, "start", "walk")
+    own(ob).command(1, "start", "walk")
     with pytest.raises(RuntimeError, match="cannot be written"):
         ops.export_commands(filepath=str(tmp_path / "nowhere" / "out.toml"))
 
@@ -170,12 +158,12 @@ def test_an_object_that_is_no_empty_is_the_target_where_it_is(
     ops.import_commands(filepath=str(path), character=ob.name)
     assert other.location[:] == (0.0, 0.0, 0.0)
     assert "'ball' that is no empty" in capfd.readouterr().out
-    assert _own(ob).commands[1].parameters["target"].target == other
+    assert own(ob).commands[1].parameters["target"].target == other
 
 
 def test_scripts_count_from_the_first_frame_of_the_scene_at_its_own_rate(ob: bpy.types.Object) -> None:
     bpy.context.scene.frame_start, bpy.context.scene.render.fps = 101, 24
     bpy.data.texts.new("Go").from_string('[[command]]\nat = 2.0\nstart = "walk"\n')
     ops.import_commands(text="Go")
-    assert _own(ob).commands[0].frame == 101.0 + 48.0
+    assert own(ob).commands[0].frame == 101.0 + 48.0
     assert scenes.FPS != 24

@@ -1,41 +1,34 @@
 """Targets of commands: where they are over all frames, without stepping through these where keys tell."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
 import pytest
 
 from morph_retarget.blender.directing import reading, tracking
-from morph_retarget.blender.directing.properties import MORPHRETARGET_PG_directing
 from morph_retarget.blender.morph import stage
-from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MotionError
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, directed, scenes
+from tests.blender.directed import own
 
 ops = bpy.ops.morph_retarget
 FRAMES = (1.0, 13.0, 30.0, 55.0)
 NEAR = 1e-4
 
+pytestmark = pytest.mark.usefixtures("registered")
+
 
 @pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        bpy.context.scene.frame_end = 60
-        yield
+def _frames() -> None:
+    bpy.context.scene.frame_end = 60
 
 
 @pytest.fixture
 def ob() -> bpy.types.Object:
     """Return a creature that does what it is told."""
-    made = acts.creature("biped")
-    ops.direct(character=made.name)
-    return made
-
-
-def _own(ob: bpy.types.Object) -> MORPHRETARGET_PG_directing:
-    return of_rig(ob).directing
+    return directed.biped()
 
 
 def _places(ob: bpy.types.Object, target: bpy.types.Object, bone: str, frames: Sequence[float] = FRAMES) -> Array:
@@ -71,8 +64,8 @@ def test_a_bone_of_another_character_is_where_its_own_motion_brings_it(ob: bpy.t
 def test_a_bone_of_another_directed_character_is_followed(ob: bpy.types.Object) -> None:
     other = acts.creature("biped")
     ops.direct(character=other.name)
-    _own(other).command(10, "start", "walk")
-    _own(ob).command(1, "start", "gaze", target=other.pose.bones["Head"])
+    own(other).command(10, "start", "walk")
+    own(ob).command(1, "start", "gaze", target=other.pose.bones["Head"])
     seen = _stepped(other, "Head")
     assert seen[-1, 1] < seen[0, 1] - 0.3, "it walks"
     assert _places(ob, other, "Head") == pytest.approx(seen, abs=NEAR)
@@ -83,8 +76,8 @@ def test_a_bone_of_another_directed_character_is_followed(ob: bpy.types.Object) 
 def test_two_that_follow_each_other_are_told_to_be_baked(ob: bpy.types.Object) -> None:
     other = acts.creature("biped")
     ops.direct(character=other.name)
-    _own(ob).command(1, "start", "gaze", target=other.pose.bones["Head"])
-    _own(other).command(1, "start", "gaze", target=ob.pose.bones["Head"])
+    own(ob).command(1, "start", "gaze", target=other.pose.bones["Head"])
+    own(other).command(1, "start", "gaze", target=ob.pose.bones["Head"])
     assert tracking.behind(ob) == tracking.behind(other) == {ob, other}
     for one, its in ((ob, other), (other, ob)):
         assert tracking.reason_to_step(one, (its, "Head")) == "it follows the character itself"
@@ -133,7 +126,7 @@ def test_a_surface_of_many_triangles_has_not_many_more_points() -> None:
 def test_only_what_is_grasped_has_a_surface(ob: bpy.types.Object) -> None:
     bpy.ops.mesh.primitive_ico_sphere_add(radius=0.1, location=(0.3, -0.4, 1.0))
     ball = bpy.context.object
-    item = _own(ob).command(1, "start", "touch", target=ball)
+    item = own(ob).command(1, "start", "touch", target=ball)
     clock, graph = reading.Clock.of(bpy.context.scene, {}), bpy.context.evaluated_depsgraph_get()
     turned = np.diag([-1.0, -1.0, 1.0, 1.0])
     assert reading.read(ob, clock, graph, turned, 1.7).targets["Icosphere"].surface is None

@@ -1,6 +1,5 @@
 """Foot paths: the flight of feet as curves that an animator draws in the Graph Editor."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -17,7 +16,7 @@ from morph_retarget.core.errors import MotionError
 from morph_retarget.core.locomotion.foot_path import ARC
 from morph_retarget.core.locomotion.settings import GaitSettings
 from morph_retarget.core.locomotion.stepping.gait import Gait
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, scenes
 from tests.blender.layouts import drawn
 
 ops = bpy.ops.morph_retarget
@@ -25,12 +24,12 @@ WHOLE = [1, 9, 33, 47, 60]
 NEAR = 1e-6
 PANEL = locomotion_panel.MORPHRETARGET_PT_gait_details
 
+pytestmark = pytest.mark.usefixtures("registered")
+
 
 @pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        bpy.context.scene.frame_end = 60
-        yield
+def _frames() -> None:
+    bpy.context.scene.frame_end = 60
 
 
 def _walker(kind: str = "biped") -> bpy.types.Object:
@@ -77,10 +76,6 @@ def _feet(ob: bpy.types.Object, frames: Array) -> tuple[Array, Array]:
     return goals.positions[:, [goals.bodies.tolist().index(b) for b in bodies]], walk.gait.contacts(times)
 
 
-def _apart(a: Array, b: Array) -> float:
-    return float(np.abs(a - b).max())
-
-
 # --- what curves mean ---
 
 
@@ -91,10 +86,10 @@ def test_a_new_path_draws_the_flight_that_feet_have_without_one() -> None:
     ops.new_foot_path(character=ob.name)
     found = foot_path.of(_path(ob))
     for name in ("along", "up", "side", "pitch"):
-        assert _apart(getattr(found, name), getattr(ARC, name)) < 0.02
+        assert scenes.difference(getattr(found, name), getattr(ARC, name)) < 0.02
     assert not found.swerves
     # Feet are lifted by a tenth of a leg or so, and go a metre on.
-    assert _apart(acting.shown(ob, WHOLE), plain) < 0.02
+    assert scenes.difference(acting.shown(ob, WHOLE), plain) < 0.02
     assert not walks.problems
 
 
@@ -112,7 +107,7 @@ def test_a_higher_curve_lifts_feet_higher_and_they_stand_where_they_did() -> Non
     _stretch(_path(ob), "height", 2.0)
     high, still = _feet(ob, frames)
     assert (stands == still).all()
-    assert _apart(high[stands], low[stands]) < NEAR
+    assert scenes.difference(high[stands], low[stands]) < NEAR
     rise = high.max(axis=0)[:, 2] - low.max(axis=0)[:, 2]
     assert (rise > 0.02).all()
     assert ((high - low)[..., 2] > -1e-3).all()
@@ -144,7 +139,7 @@ def test_curves_that_are_missing_or_muted_leave_the_flight_flat() -> None:
     _curve(empty, "height").mute = True
     found = foot_path.of(empty)
     assert not found.up.any()
-    assert _apart(found.along, ARC.along) < 0.02
+    assert scenes.difference(found.along, ARC.along) < 0.02
 
 
 def test_curves_that_are_alike_give_the_same_path_and_no_gait_is_prepared_anew(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,12 +177,12 @@ def test_a_key_that_is_moved_is_followed_live(linked: bool) -> None:
     before = acts.pose(ob)
     _stretch(empty, "height", 2.5)
     after = acts.pose(ob)
-    assert _apart(after, before) > 0.01
+    assert scenes.difference(after, before) > 0.01
     scene.frame_set(1)
     scene.frame_set(47)
-    assert _apart(acts.pose(ob), after) < NEAR
+    assert scenes.difference(acts.pose(ob), after) < NEAR
     _stretch(empty, "height", 0.4)
-    assert _apart(acts.pose(ob), before) < 1e-4
+    assert scenes.difference(acts.pose(ob), before) < 1e-4
 
 
 def test_another_action_on_the_empty_is_followed() -> None:
@@ -200,10 +195,10 @@ def test_another_action_on_the_empty_is_followed() -> None:
     bpy.context.view_layer.update()
     _stretch(empty, "height", 3.0)
     high = acts.pose(ob)
-    assert _apart(high, before) > 0.01
+    assert scenes.difference(high, before) > 0.01
     actions.assign(empty, action, action.slots[0])
     bpy.context.view_layer.update()
-    assert _apart(acts.pose(ob), before) < NEAR
+    assert scenes.difference(acts.pose(ob), before) < NEAR
 
 
 @pytest.mark.parametrize("kind", ["biped", "hound"])
@@ -212,9 +207,9 @@ def test_baked_keys_are_what_was_shown_live(kind: str) -> None:
     _stretch(_path(ob), "height", 2.0)
     _pull(_path(ob), "side", 0.1)
     live = acting.shown(ob, WHOLE)
-    assert _apart(acting.shown(ob, WHOLE[::-1])[::-1], live) < NEAR
+    assert scenes.difference(acting.shown(ob, WHOLE[::-1])[::-1], live) < NEAR
     acting.baked(ob)
-    assert _apart(acting.shown(ob, WHOLE), live) < NEAR
+    assert scenes.difference(acting.shown(ob, WHOLE), live) < NEAR
 
 
 def test_characters_share_a_path() -> None:
@@ -225,7 +220,7 @@ def test_characters_share_a_path() -> None:
     scene.frame_set(47)
     before = [acts.pose(ob), acts.pose(other)]
     _stretch(_path(ob), "height", 3.0)
-    assert all(_apart(acts.pose(own), was) > 0.01 for own, was in zip((ob, other), before, strict=True))
+    assert all(scenes.difference(acts.pose(own), was) > 0.01 for own, was in zip((ob, other), before, strict=True))
     assert ops.remove_foot_path(character=ob.name) == {"FINISHED"}
     assert _path(other) is not None, "the other still flies by it"
 
@@ -260,11 +255,11 @@ def test_removing_a_path_puts_feet_back_and_leaves_nothing() -> None:
     plain = acting.shown(ob, WHOLE)
     ops.new_foot_path(character=ob.name)
     _stretch(_path(ob), "height", 3.0)
-    assert _apart(acting.shown(ob, WHOLE), plain) > 0.01
+    assert scenes.difference(acting.shown(ob, WHOLE), plain) > 0.01
     before = len(bpy.data.actions)
     assert ops.remove_foot_path(character=ob.name) == {"FINISHED"}
     bpy.context.view_layer.update()
-    assert _apart(acting.shown(ob, WHOLE), plain) < NEAR
+    assert scenes.difference(acting.shown(ob, WHOLE), plain) < NEAR
     assert len(bpy.data.actions) == before - 1
     assert not [other for other in bpy.data.objects if other.type == "EMPTY"]
     with pytest.raises(RuntimeError, match="has no foot path"):
@@ -288,7 +283,7 @@ def test_a_path_that_is_deleted_lets_feet_fly_as_their_style_wants() -> None:
     _stretch(_path(ob), "height", 3.0)
     bpy.data.objects.remove(_path(ob))
     bpy.context.view_layer.update()
-    assert _apart(acting.shown(ob, WHOLE), plain) < NEAR
+    assert scenes.difference(acting.shown(ob, WHOLE), plain) < NEAR
     assert not walks.problems
 
 
@@ -308,15 +303,15 @@ def test_undo_takes_a_path_back_and_redo_brings_it() -> None:
     _stretch(_path(ob()), "height", 3.0)
     bpy.ops.ed.undo_push(message="higher")
     high = acts.pose(ob())
-    assert _apart(high, plain) > 0.01
+    assert scenes.difference(high, plain) > 0.01
     bpy.ops.ed.undo()
-    assert _apart(acts.pose(ob()), made) < NEAR
+    assert scenes.difference(acts.pose(ob()), made) < NEAR
     bpy.ops.ed.undo()
     assert _path(ob()) is None
-    assert _apart(acts.pose(ob()), plain) < NEAR
+    assert scenes.difference(acts.pose(ob()), plain) < NEAR
     bpy.ops.ed.redo()
     bpy.ops.ed.redo()
-    assert _apart(acts.pose(ob()), high) < NEAR
+    assert scenes.difference(acts.pose(ob()), high) < NEAR
 
 
 def test_the_panel_offers_what_can_be_done() -> None:
@@ -341,14 +336,14 @@ def test_an_object_without_keys_is_told_and_the_character_stands() -> None:
     bpy.context.view_layer.update()
     assert "foot path 'Bare' has no keys" in walks.problems[ob.session_uid]
     rest = np.array([bone.matrix_local for bone in ob.data.bones])
-    assert _apart(acts.pose(ob), rest) < 1e-5
+    assert scenes.difference(acts.pose(ob), rest) < 1e-5
     assert "foot path 'Bare' has no keys" in " ".join(drawn(locomotion_panel.MORPHRETARGET_PT_locomotion).texts)
     with pytest.raises(RuntimeError, match="choose another object"):
         ops.bake_action(character=ob.name)
     of_rig(ob).gait.foot_path = None
     bpy.context.view_layer.update()
     assert not walks.problems
-    assert _apart(acts.pose(ob), rest) > 0.1
+    assert scenes.difference(acts.pose(ob), rest) > 0.1
 
 
 def test_a_way_that_is_missing_or_leads_nowhere_is_told_until_it_is_mended() -> None:
@@ -363,7 +358,7 @@ def test_a_way_that_is_missing_or_leads_nowhere_is_told_until_it_is_mended() -> 
     _curve(empty, "way").update()
     bpy.context.view_layer.update()
     assert not walks.problems
-    assert _apart(acts.pose(ob), standing) > 0.5, "it goes again"
+    assert scenes.difference(acts.pose(ob), standing) > 0.5, "it goes again"
     _curve(empty, "way").mute = True
     with pytest.raises(MotionError, match=f"foot path {empty.name!r} has no curve for its way: key its Y location"):
         foot_path.of(empty)
@@ -393,13 +388,10 @@ def test_a_linked_character_brings_its_path(tmp_path: Path, overridden: bool) ->
     library = scenes.save(tmp_path / "library.blend")
     scenes.empty()
     bpy.context.scene.frame_end = 60
-    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
-        wanted.objects = ["Biped"]
-    ob = bpy.data.objects["Biped"]
-    bpy.context.scene.collection.objects.link(ob)
+    ob = scenes.link(library, "Biped")
     if overridden:
         ob = ob.override_create(remap_local_usages=True)
-    assert _apart(acting.shown(ob, WHOLE), live) < NEAR
+    assert scenes.difference(acting.shown(ob, WHOLE), live) < NEAR
     if not overridden:
         of_rig(ob).gait.foot_path = None
         with pytest.raises(RuntimeError, match="make a library override of it first"):
@@ -409,7 +401,7 @@ def test_a_linked_character_brings_its_path(tmp_path: Path, overridden: bool) ->
     assert ops.new_foot_path(character=ob.name) == {"FINISHED"}
     assert _path(ob).library is None
     bpy.context.view_layer.update()
-    assert _apart(acting.shown(ob, WHOLE), live) > 0.01
+    assert scenes.difference(acting.shown(ob, WHOLE), live) > 0.01
 
 
 def test_files_keep_it(tmp_path: Path) -> None:
@@ -418,4 +410,4 @@ def test_files_keep_it(tmp_path: Path) -> None:
     live = acting.shown(ob, WHOLE)
     path = scenes.save(tmp_path / "biped.blend")
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    assert _apart(acting.shown(bpy.data.objects["Biped"], WHOLE), live) < NEAR
+    assert scenes.difference(acting.shown(bpy.data.objects["Biped"], WHOLE), live) < NEAR

@@ -1,6 +1,6 @@
 """Frames that are foreseen: written before Blender evaluates them, and shown anew where anything has changed."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -15,7 +15,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 HANDS = Channel("Hands", Context(Capability.GRASPER), Movement(scale=ScaleMode.LIMB_LENGTH))
@@ -25,11 +25,7 @@ REACH = Channel(
 )
 FRAMES = [1, 5, 12.5, 20]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

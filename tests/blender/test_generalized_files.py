@@ -1,6 +1,5 @@
 """Generalized actions in files: saved, loaded, appended, linked, overridden, undone; and what is wrong with them."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from morph_retarget.core.errors import MotionError
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 ops = bpy.ops.morph_retarget
@@ -27,11 +26,7 @@ HEAD = Channel("Head", Context(Capability.HEAD), poses_position=False)
 BONES = ["Hand.L", "Hand.R", "Head"]
 FRAMES = (1, 7, 20)
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _reach(*names: str) -> Act:

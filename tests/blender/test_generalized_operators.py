@@ -1,7 +1,5 @@
 """Generalized actions through their buttons, called as scripts call them."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -15,24 +13,20 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Extent, Side
 from morph_retarget.core.morph.movement import Movement
-from tests.blender import scenes, window
+from tests.blender import scenes
 from tools import armatures, creatures
 
 ops = bpy.ops.morph_retarget
 HANDS = ["leftHand", "rightHand"]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
 def ann() -> bpy.types.Object:
     """Return a humanoid, selected and active, without any action."""
     ob = scenes.figure("Ann")
-    _select(ob)
+    scenes.select(ob)
     return ob
 
 
@@ -43,18 +37,9 @@ def wave(ann: bpy.types.Object) -> bpy.types.Action:
     return ann.animation_data.action
 
 
-def _select(*found: bpy.types.Object) -> None:
-    """Select some objects and no others; the last one is the active one."""
-    if bpy.context.mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    for ob in bpy.context.scene.objects:
-        ob.select_set(ob in found)
-    bpy.context.view_layer.objects.active = found[-1] if found else None
-
-
 def _hound() -> bpy.types.Object:
     ob = armatures.build("Rex", creatures.hound())
-    _select(ob)
+    scenes.select(ob)
     return ob
 
 
@@ -79,7 +64,7 @@ def _key(ob: bpy.types.Object, channel: str, frame: int, position: tuple[float, 
 
 def test_a_new_action_has_a_channel_plays_on_the_selected_armatures_and_is_not_lost() -> None:
     ann, rex = scenes.figure("Ann"), _hound()
-    _select(ann, rex)
+    scenes.select(ann, rex)
     ops.new_action(name="Wave")
     action = bpy.data.actions["Wave"]
     assert action.use_fake_user
@@ -91,7 +76,7 @@ def test_a_new_action_has_a_channel_plays_on_the_selected_armatures_and_is_not_l
 
 def test_a_named_character_gets_the_new_action_alone_and_keeps_what_it_played_before() -> None:
     walker, ann = scenes.walker(), scenes.figure("Ann")
-    _select(ann)
+    scenes.select(ann)
     walk = walker.animation_data.action
     ops.new_action(name="Wave", character=walker.name)
     assert walker.animation_data.action.name == "Wave"
@@ -101,7 +86,7 @@ def test_a_named_character_gets_the_new_action_alone_and_keeps_what_it_played_be
 
 def test_a_new_action_without_a_character_leaves_nothing_behind() -> None:
     scenes.figure("Ann")
-    _select()
+    scenes.select()
     bare = bpy.data.objects.new("Bare", bpy.data.armatures.new("Bare"))
     bpy.context.scene.collection.objects.link(bare)
     with pytest.raises(RuntimeError, match="no character is selected"):
@@ -120,7 +105,7 @@ def test_without_an_armature_there_is_no_new_action() -> None:
 
 def test_selected_armatures_are_added_to_the_action_of_the_active_one(wave: bpy.types.Action) -> None:
     ann, rex = bpy.data.objects["Ann"], _hound()
-    _select(rex, ann)
+    scenes.select(rex, ann)
     ops.add_character()
     assert cast.playing(bpy.context.scene, wave) == [ann, rex]
     with pytest.raises(RuntimeError, match="already: select others"):
@@ -129,7 +114,7 @@ def test_selected_armatures_are_added_to_the_action_of_the_active_one(wave: bpy.
 
 def test_an_active_armature_without_an_action_joins_the_selected_one(wave: bpy.types.Action) -> None:
     ann, rex = bpy.data.objects["Ann"], _hound()
-    _select(ann, rex)
+    scenes.select(ann, rex)
     ops.add_character()
     assert cast.playing(bpy.context.scene, wave) == [ann, rex]
 
@@ -169,12 +154,12 @@ def test_a_removed_character_plays_no_more_and_keeps_its_values(wave: bpy.types.
 def test_a_character_is_made_the_active_one(wave: bpy.types.Action, mode: str) -> None:
     ann, rex = bpy.data.objects["Ann"], _hound()
     ops.add_character(character="Rex", action=wave.name)
-    _select(ann)
+    scenes.select(ann)
     bpy.ops.object.mode_set(mode=mode)
     ops.activate_character(character="Rex")
     assert bpy.context.view_layer.objects.active == rex
     assert {ann.mode, rex.mode} == {mode}
-    _select(ann)
+    scenes.select(ann)
     rex.hide_set(True)
     with pytest.raises(RuntimeError, match="is hidden"):
         ops.activate_character(character="Rex")
@@ -198,7 +183,7 @@ def test_each_character_gets_the_branch_that_fits_it() -> None:
     _branch("Bow on Four", "Bow", leg_count=4)
     ops.play_movement(movement="Bow", character="Ann")
     assert ann.animation_data.action.name == "Bow on Two"
-    _select(ann, rex)
+    scenes.select(ann, rex)
     ops.play_movement(movement="Bow")
     assert (ann.animation_data.action.name, rex.animation_data.action.name) == ("Bow on Two", "Bow on Four")
     ops.play_movement()

@@ -1,7 +1,5 @@
 """The panels of generalized actions: what they show, and that showing changes nothing."""
 
-from collections.abc import Iterator
-
 import bpy
 import pytest
 
@@ -9,7 +7,7 @@ from morph_retarget.blender.morph import cast, keys
 from morph_retarget.blender.morph.properties import MORPHRETARGET_PG_action, of_action
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import channel_binding, channel_panels, channel_values, generalized
-from tests.blender import scenes, window
+from tests.blender import scenes
 from tests.blender.layouts import Layout, drawn
 from tools import armatures, creatures
 
@@ -22,11 +20,7 @@ PANELS = [
     *channel_binding.CLASSES,
 ]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """Jiggles on ordinary actions: keyed in a copy, where the action leaves something loose; all else stays as it was."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -12,7 +12,7 @@ from morph_retarget.blender.io import load
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.rig import scene_of
 from morph_retarget.core.arrays import Array
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, scenes
 from tools import armatures
 from tools.figure import Bone
 
@@ -20,11 +20,7 @@ ops = bpy.ops.morph_retarget
 FRAMES = [1, 5, 9, 12, 15, 18, 24]
 TAIL = [f"Tail.00{i}" for i in range(1, 6)]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _turning(kind: str = "hound", mode: str = "QUATERNION") -> bpy.types.Object:

@@ -1,6 +1,5 @@
 """Where users meet jiggles besides poses: the panel, the first play of an action, and the command line."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -13,7 +12,7 @@ from morph_retarget.blender.io.load import Request, load
 from morph_retarget.blender.morph import cast
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.blender.ui import jiggle_panel
-from tests.blender import acting, scenes, window
+from tests.blender import acting, scenes
 from tests.blender.command import Command
 from tests.blender.layouts import drawn
 
@@ -21,16 +20,10 @@ PANELS = (jiggle_panel.MORPHRETARGET_PT_jiggles, jiggle_panel.MORPHRETARGET_PT_j
 ops = bpy.ops.morph_retarget
 
 
-@pytest.fixture
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
-
-
 # --- the window ---
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_who_plays_for_the_first_time_jiggles_and_others_keep_what_they_have() -> None:
     hound = acting.creature("hound")
     assert not of_rig(hound).jiggles.enabled
@@ -41,7 +34,7 @@ def test_who_plays_for_the_first_time_jiggles_and_others_keep_what_they_have() -
     assert not of_rig(hound).jiggles.enabled
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_the_panel_has_few_knobs_and_a_button_for_ordinary_actions() -> None:
     hound = acting.creature("hound")
     bpy.context.view_layer.objects.active = hound
@@ -60,7 +53,7 @@ def test_the_panel_has_few_knobs_and_a_button_for_ordinary_actions() -> None:
     assert [name for name, _ in shown.props][6:] == ["amount", "half_life", "stiffness"]
 
 
-@pytest.mark.usefixtures("_registered")
+@pytest.mark.usefixtures("registered")
 def test_settings_of_a_kind_begin_as_the_kind_was() -> None:
     hound = acting.creature("hound")
     bpy.context.view_layer.objects.active = hound

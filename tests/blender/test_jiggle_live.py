@@ -1,6 +1,6 @@
 """Jiggles of characters that play generalized actions: a function of the frame, shown live as they are baked."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -15,7 +15,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, scenes
 from tests.blender.acts import Act
 
 SIZE = Movement(scale=ScaleMode.CREATURE_SIZE)
@@ -25,11 +25,7 @@ LOOK = Channel("Look", Context(Capability.HEAD), Movement(look_at=True), TargetK
 FRAMES = [1, 4, 7.5, 10, 12, 14.25, 17, 22, 30]
 TAIL = [f"Tail.00{i}" for i in range(1, 6)]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _leap(obs: Sequence[bpy.types.Object], *more: Channel, jiggle: bool = True) -> Act:
@@ -47,10 +43,6 @@ def _shown(ob: bpy.types.Object, frames: Sequence[float] = FRAMES, bones: Sequen
     return scenes.evaluated(ob, list(bones) or ob.pose.bones.keys(), frames)
 
 
-def _apart(a: Array, b: Array) -> float:
-    return float(np.abs(a - b).max())
-
-
 def _tip(ob: bpy.types.Object, frames: Sequence[float] = FRAMES) -> Array:
     """Return the place of a hound's last tail bone, which has gone through all lags, shape (frame, 3)."""
     return _shown(ob, frames, TAIL[-1:])[:, 0, :3, 3]
@@ -62,7 +54,7 @@ def test_tail_and_ears_follow_and_the_posed_body_stays_as_it_was() -> None:
     stiff = _shown(hound)
     of_rig(hound).jiggles.enabled = True
     loose = _shown(hound)
-    moved = {n for i, n in enumerate(hound.pose.bones.keys()) if _apart(loose[:, i], stiff[:, i]) > 1e-6}
+    moved = {n for i, n in enumerate(hound.pose.bones.keys()) if scenes.difference(loose[:, i], stiff[:, i]) > 1e-6}
     assert moved == {*TAIL, "Ear.L", "Ear.R"}
     size = max(hound.dimensions)
     assert np.linalg.norm(loose[..., :3, 3] - stiff[..., :3, 3], axis=-1).max() > 0.02 * size
@@ -74,10 +66,10 @@ def test_what_is_shown_depends_on_the_frame_alone(kind: str) -> None:
     _leap([ob])
     forward = _shown(ob)
     order = np.random.default_rng(1).permutation(len(FRAMES))
-    assert _apart(_shown(ob, [FRAMES[i] for i in order]), forward[order]) == 0.0
+    assert scenes.difference(_shown(ob, [FRAMES[i] for i in order]), forward[order]) == 0.0
     perform.forget()
     cast.forget(rig=True)
-    assert _apart(_shown(ob, FRAMES[4:5]), forward[4:5]) < 1e-6
+    assert scenes.difference(_shown(ob, FRAMES[4:5]), forward[4:5]) < 1e-6
     assert np.isfinite(forward).all()
 
 
@@ -89,7 +81,7 @@ def test_frames_far_beyond_the_first_simulation_continue_it() -> None:
     of_rig(hound).jiggles.loop = False
     far = _tip(hound, [303, 306, 308])
     perform.forget()
-    assert _apart(_tip(hound, [308, 303, 306]), far[[2, 0, 1]]) < 1e-6
+    assert scenes.difference(_tip(hound, [308, 303, 306]), far[[2, 0, 1]]) < 1e-6
 
 
 @pytest.mark.parametrize("kind", ["hound", "bird", "snake"])
@@ -102,10 +94,10 @@ def test_baked_keys_show_what_was_shown_live_also_between_frames(kind: str) -> N
     whole = [i for i, f in enumerate(frames) if f == int(f)]
     acting.baked(ob)
     there = _shown(ob, frames)
-    assert _apart(there[whole], live[whole]) < 1e-5
+    assert scenes.difference(there[whole], live[whole]) < 1e-5
     if kind == "hound":  # the root's own path between frames is curved live and straight when baked
         tail = [ob.pose.bones.keys().index(name) for name in TAIL]
-        assert _apart(there[:, tail, :3, :3], live[:, tail, :3, :3]) < 0.02
+        assert scenes.difference(there[:, tail, :3, :3], live[:, tail, :3, :3]) < 0.02
 
 
 def test_a_part_of_an_action_is_baked_as_a_part_of_the_whole() -> None:
@@ -113,7 +105,7 @@ def test_a_part_of_an_action_is_baked_as_a_part_of_the_whole() -> None:
     _leap([hound])
     live = _tip(hound, [10, 12, 14])
     acting.baked(hound, options=acting.Options(frames=(10, 14)))
-    assert _apart(_tip(hound, [10, 12, 14]), live) < 1e-5
+    assert scenes.difference(_tip(hound, [10, 12, 14]), live) < 1e-5
 
 
 def test_a_tail_that_the_action_poses_is_left_to_it() -> None:
@@ -123,8 +115,8 @@ def test_a_tail_that_the_action_poses_is_left_to_it() -> None:
     act.key(10, "Tails", rotation=(0.95, 0.0, 0.0, 0.3))
     stiff = _shown(hound, bones=TAIL)
     of_rig(hound).jiggles.enabled = True
-    assert _apart(_shown(hound, bones=TAIL), stiff) == 0.0
-    assert _apart(_shown(hound, bones=["Ear.L"]), _shown(hound, [1] * len(FRAMES), ["Ear.L"])) > 0.01
+    assert scenes.difference(_shown(hound, bones=TAIL), stiff) == 0.0
+    assert scenes.difference(_shown(hound, bones=["Ear.L"]), _shown(hound, [1] * len(FRAMES), ["Ear.L"])) > 0.01
 
 
 def test_a_bone_that_plain_curves_or_constraints_move_does_not_jiggle() -> None:
@@ -152,14 +144,14 @@ def test_an_edited_curve_shows_with_the_next_frame_and_a_setting_at_once() -> No
     bpy.context.view_layer.update()
     after = _tip(hound, [13])
     perform.forget()
-    assert _apart(after, before) > 1e-3, "it has leapt higher before"
-    assert _apart(_tip(hound, [13]), after) < 1e-6
+    assert scenes.difference(after, before) > 1e-3, "it has leapt higher before"
+    assert scenes.difference(_tip(hound, [13]), after) < 1e-6
     of_rig(hound).jiggles.amount = 0.0
     bpy.context.view_layer.update()
     still = acts.pose(hound)
     of_rig(hound).jiggles.enabled = False
     bpy.context.view_layer.update()
-    assert _apart(acts.pose(hound), still) < 1e-6
+    assert scenes.difference(acts.pose(hound), still) < 1e-6
 
 
 def test_switched_off_the_parts_go_back_to_rest() -> None:
@@ -203,7 +195,7 @@ def test_files_keep_the_settings_and_show_the_same_after_loading(tmp_path: Path)
     own = of_rig(hound).jiggles
     assert (round(own.half_life, 3), round(own.gravity, 3), own.ground) == (0.3, 0.1, True)
     assert own.settings().bones["Ear.R"].stiffness == 5.0
-    assert _apart(_shown(hound, FRAMES[::-1])[::-1], live) < 1e-6
+    assert scenes.difference(_shown(hound, FRAMES[::-1])[::-1], live) < 1e-6
 
 
 def test_the_way_of_the_object_and_of_what_it_hangs_on_is_felt() -> None:
@@ -245,7 +237,7 @@ def test_ears_follow_a_head_that_looks_at_what_keys_move() -> None:
     live = _shown(hound, [2, 5, 9, 12])
     assert not jiggles.problems
     acting.baked(hound)
-    assert _apart(_shown(hound, [2, 5, 9, 12]), live) < 1e-4
+    assert scenes.difference(_shown(hound, [2, 5, 9, 12]), live) < 1e-4
 
 
 def test_what_only_stepping_could_tell_is_said_and_comes_when_it_is_baked() -> None:
@@ -284,11 +276,11 @@ def test_undo_and_redo_show_the_jiggles_of_their_moment() -> None:
     slower = _tip(hound, [12])
     bpy.ops.ed.undo()
     hound = bpy.data.objects["Hound"]
-    assert _apart(_tip(hound, [12]), there) < 1e-6
+    assert scenes.difference(_tip(hound, [12]), there) < 1e-6
     bpy.ops.ed.redo()
     hound = bpy.data.objects["Hound"]
-    assert _apart(_tip(hound, [12]), slower) < 1e-6
-    assert _apart(slower, there) > 1e-3
+    assert scenes.difference(_tip(hound, [12]), slower) < 1e-6
+    assert scenes.difference(slower, there) > 1e-3
 
 
 def test_an_action_without_keys_and_one_without_anything_loose_do_no_harm() -> None:
@@ -297,5 +289,5 @@ def test_an_action_without_keys_and_one_without_anything_loose_do_no_harm() -> N
     for ob in (hound, biped):
         of_rig(ob).jiggles.enabled = True
     before = [_shown(ob, [1, 30]) for ob in (hound, biped)]
-    assert _apart(before[0][0], before[0][1]) < 1e-6
+    assert scenes.difference(before[0][0], before[0][1]) < 1e-6
     assert not cast.problems

@@ -1,6 +1,6 @@
 """Joint limits as animators set them on pose bones: honoured live, baked and followed, as by Blender's own IK."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -19,7 +19,7 @@ from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
 from morph_retarget.core.solve.limits import swing_and_twist
-from tests.blender import acting, acts, results, scenes, window
+from tests.blender import acting, acts, results, scenes
 from tests.blender.acts import Act
 from tests.blender.command import Command
 
@@ -32,11 +32,7 @@ KNEE, THIGH = "LowerLeg.L", "UpperLeg.L"
 NEAR = 0.01
 """What angles are off by [deg]: Blender's poses are single precision."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _limit(bone: bpy.types.PoseBone, **ranges: tuple[float, float]) -> None:

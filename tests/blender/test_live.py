@@ -1,7 +1,5 @@
 """Targets that follow while frames change."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -15,11 +13,7 @@ ops = bpy.ops.morph_retarget
 BONES = ["Hips", "Head", "Hand.L", "Foot.R"]
 FRAMES = [1, 7, 20, 34]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def test_the_live_pose_is_the_baked_pose() -> None:

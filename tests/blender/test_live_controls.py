@@ -1,6 +1,5 @@
 """Rigs with controls that follow a source while frames change: what is live is what would be keyed."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -11,17 +10,13 @@ from morph_retarget.blender import live
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
 from morph_retarget.core.arrays import Array
-from tests.blender import scenes, window
+from tests.blender import scenes
 
 ops = bpy.ops.morph_retarget
 FRAMES = [1, 2, 5, 9, 12, 7.5]
 LAST = 12
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def opened(path: Path) -> tuple[MORPHRETARGET_PG_scene, bpy.types.Object, bpy.types.Object]:

@@ -1,6 +1,6 @@
 """Characters that go over the ground: as they are shown, as they are baked, and as the window offers it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -17,7 +17,7 @@ from morph_retarget.blender.ui import locomotion_panel
 from morph_retarget.core import play
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.locomotion.settings import GaitSettings
-from tests.blender import acting, acts, scenes, window
+from tests.blender import acting, acts, scenes
 from tests.blender.layouts import drawn
 
 ops = bpy.ops.morph_retarget
@@ -25,12 +25,12 @@ FRAMES = [1, 2, 7.5, 31, 32, 60, 100, 180]
 WHOLE = [1, 2, 31, 32, 60, 100, 180]
 NEAR = 1e-6
 
+pytestmark = pytest.mark.usefixtures("registered")
+
 
 @pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        bpy.context.scene.frame_end = 180
-        yield
+def _frames() -> None:
+    bpy.context.scene.frame_end = 180
 
 
 def _walker(kind: str = "biped", **settings: object) -> bpy.types.Object:
@@ -55,10 +55,6 @@ def _root(ob: bpy.types.Object, frames: Sequence[float] = FRAMES) -> Array:
     """Return where the root of a creature is in the world, shape (frame, 3)."""
     _, _, bodies = analyses.of(ob)
     return scenes.heads(ob, [bodies.names[play.root_of(bodies)]], frames)[:, 0]
-
-
-def _apart(a: Array, b: Array) -> float:
-    return float(np.abs(a - b).max())
 
 
 def _seconds(frames: Sequence[float]) -> Array:
@@ -123,10 +119,10 @@ def test_what_is_shown_depends_on_the_frame_alone(kind: str) -> None:
     ob = _walker(kind, turn_rate=0.5)
     forward = _shown(ob)
     order = np.random.default_rng(3).permutation(len(FRAMES))
-    assert _apart(_shown(ob, [FRAMES[i] for i in order]), forward[order]) == 0.0
+    assert scenes.difference(_shown(ob, [FRAMES[i] for i in order]), forward[order]) == 0.0
     perform.forget()
     cast.forget(rig=True)
-    assert _apart(_shown(ob, FRAMES[3:4]), forward[3:4]) < NEAR
+    assert scenes.difference(_shown(ob, FRAMES[3:4]), forward[3:4]) < NEAR
 
 
 @pytest.mark.parametrize("kind", ["biped", "hound", "beetle", "snake"])
@@ -136,7 +132,7 @@ def test_baked_keys_are_what_was_shown_live(kind: str) -> None:
     live = _shown(ob, WHOLE)
     acting.baked(ob)
     assert not definitions.is_generalized(ob.animation_data.action)
-    assert _apart(_shown(ob, WHOLE), live) < NEAR
+    assert scenes.difference(_shown(ob, WHOLE), live) < NEAR
 
 
 def test_a_bake_lasts_as_long_as_the_scene() -> None:
@@ -183,7 +179,7 @@ def test_keys_of_the_speed_are_followed_live_and_when_they_are_moved() -> None:
         point.co_ui[1] = 1.0
     curve.update()
     bpy.context.view_layer.update()
-    assert _apart(_root(ob, [180]), steady) < 1e-4
+    assert scenes.difference(_root(ob, [180]), steady) < 1e-4
 
 
 def test_the_button_keys_the_speed_in_the_action_that_all_share() -> None:
@@ -207,7 +203,7 @@ def test_a_weight_that_is_keyed_fades_the_gait_live_and_baked() -> None:
     assert half[0, 1] == pytest.approx(0.5 * whole[0, 1], rel=0.1)
     assert rest[0, 0] == pytest.approx(np.array(ob.data.bones["Hips"].head_local), abs=1e-5)
     acting.baked(ob)
-    assert _apart(_shown(ob, [30, 60, 61]), live) < NEAR
+    assert scenes.difference(_shown(ob, [30, 60, 61]), live) < NEAR
 
 
 def test_speeds_that_drivers_give_are_baked_and_told_of_live() -> None:
@@ -216,7 +212,7 @@ def test_speeds_that_drivers_give_are_baked_and_told_of_live() -> None:
     driver.expression = "0.02 * frame"
     bpy.context.scene.frame_set(5)
     assert "drivers of its locomotion cannot be followed live" in walks.problems[ob.session_uid]
-    assert _apart(_root(ob, [100]), _root(ob, [1])) < 1e-6, "it stands meanwhile"
+    assert scenes.difference(_root(ob, [100]), _root(ob, [1])) < 1e-6, "it stands meanwhile"
     acting.baked(ob)
     way = -_root(ob, [181])[0, 1] + _root(ob, [1])[0, 1]
     assert way > 1.0
@@ -245,7 +241,7 @@ def test_a_curve_with_thickness_is_the_same_path() -> None:
     before = _root(ob)
     path.data.bevel_depth = 0.2
     bpy.context.view_layer.update()
-    assert _apart(_root(ob), before) < 1e-3
+    assert scenes.difference(_root(ob), before) < 1e-3
 
 
 def test_an_edited_path_is_followed_at_once() -> None:
@@ -263,7 +259,7 @@ def test_an_edited_path_is_followed_at_once() -> None:
     assert _shown_now(ob)[0, 0] > moved[0, 0] + 1.0
     live = _shown(ob, WHOLE)
     acting.baked(ob)
-    assert _apart(_shown(ob, WHOLE), live) < NEAR
+    assert scenes.difference(_shown(ob, WHOLE), live) < NEAR
 
 
 def test_a_path_that_moves_counts_as_it_is_at_the_first_frame() -> None:
@@ -295,7 +291,7 @@ def test_it_goes_up_a_hill_that_is_edited() -> None:
     ground.data.vertices[0].co.z += 1.0
     ground.data.update()
     bpy.context.view_layer.update()
-    assert _apart(_shown_now(ob), before) > 0.01
+    assert scenes.difference(_shown_now(ob), before) > 0.01
 
 
 def test_hills_higher_than_the_character_carry_it() -> None:
@@ -327,7 +323,7 @@ def test_feet_stay_where_they_are_put_while_the_object_moves(how: str) -> None:
     assert steps[both].mean() < 0.35 * 6.0 / 179.0
     live = _shown(ob, WHOLE)
     acting.baked(ob)
-    assert _apart(_shown(ob, WHOLE), live) < 1e-5
+    assert scenes.difference(_shown(ob, WHOLE), live) < 1e-5
 
 
 def test_an_object_that_a_constraint_moves_goes_when_it_is_baked() -> None:
@@ -360,11 +356,13 @@ def test_a_generalized_action_plays_on_top() -> None:
     ops.add_locomotion(character=ob.name)
     assert cast.action_of(ob).name == "Dip"
     going = scenes.heads(ob, ["Hand.L", "Hips", "Foot.L"], [11])[0]
-    assert _apart((going[0] - going[1])[2:], (still[0] - still[1])[2:]) < 0.1, "the hand is lowered with the body"
+    assert scenes.difference((going[0] - going[1])[2:], (still[0] - still[1])[2:]) < 0.1, (
+        "the hand is lowered with the body"
+    )
     assert going[1, 1] < still[1, 1] - 0.2
     live = _shown(ob, [1, 5, 11, 21, 60])
     acting.baked(ob)
-    assert _apart(_shown(ob, [1, 5, 11, 21, 60]), live) < NEAR
+    assert scenes.difference(_shown(ob, [1, 5, 11, 21, 60]), live) < NEAR
 
 
 def _carried(ob: bpy.types.Object, frames: Array) -> Array:
@@ -443,12 +441,12 @@ def test_jiggles_feel_the_way() -> None:
     hound = _walker("hound", speed=2.0)
     of_rig(hound).jiggles.enabled = True
     live = _shown(hound, WHOLE)
-    assert _apart(_shown(hound, WHOLE[::-1])[::-1], live) < NEAR
+    assert scenes.difference(_shown(hound, WHOLE[::-1])[::-1], live) < NEAR
     of_rig(hound).jiggles.enabled = False
-    assert _apart(_shown(hound, WHOLE), live) > 0.005
+    assert scenes.difference(_shown(hound, WHOLE), live) > 0.005
     of_rig(hound).jiggles.enabled = True
     acting.baked(hound)
-    assert _apart(_shown(hound, WHOLE), live) < 1e-5
+    assert scenes.difference(_shown(hound, WHOLE), live) < 1e-5
 
 
 def test_who_follows_a_bone_of_one_that_goes_finds_it_where_it_is() -> None:
@@ -492,10 +490,10 @@ def test_a_setting_is_followed_at_once_and_back(name: str, value: object) -> Non
     setattr(_gait(ob), name, value)
     bpy.context.view_layer.update()
     assert not cast.problems
-    assert _apart(acts.pose(ob), before) > 1e-4
+    assert scenes.difference(acts.pose(ob), before) > 1e-4
     setattr(_gait(ob), name, was)
     bpy.context.view_layer.update()
-    assert _apart(acts.pose(ob), before) < NEAR
+    assert scenes.difference(acts.pose(ob), before) < NEAR
 
 
 def test_a_gait_is_prepared_once_while_nothing_is_edited(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -590,19 +588,19 @@ def test_locomotion_comes_and_goes_with_undo() -> None:
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="add")
     going = acts.pose(ob())
-    assert _apart(going, rest) > 0.5
+    assert scenes.difference(going, rest) > 0.5
     _gait(ob()).speed = 2.0
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="speed")
     fast = acts.pose(ob())
     bpy.ops.ed.undo()
-    assert _apart(acts.pose(ob()), going) < NEAR
+    assert scenes.difference(acts.pose(ob()), going) < NEAR
     bpy.ops.ed.undo()
     assert not _gait(ob()).enabled
-    assert _apart(acts.pose(ob()), rest) < NEAR
+    assert scenes.difference(acts.pose(ob()), rest) < NEAR
     bpy.ops.ed.redo()
     bpy.ops.ed.redo()
-    assert _apart(acts.pose(ob()), fast) < NEAR
+    assert scenes.difference(acts.pose(ob()), fast) < NEAR
 
 
 def test_removing_it_puts_the_character_back_and_keeps_the_settings() -> None:
@@ -612,7 +610,7 @@ def test_removing_it_puts_the_character_back_and_keeps_the_settings() -> None:
     bpy.context.view_layer.update()
     assert cast.action_of(ob) is None
     rest = np.array([bone.matrix_local for bone in ob.data.bones])
-    assert _apart(acts.pose(ob), rest) < 1e-5
+    assert scenes.difference(acts.pose(ob), rest) < 1e-5
     assert round(_gait(ob).stride, 3) == 0.7
     with pytest.raises(RuntimeError, match="No character has locomotion"):
         ops.remove_locomotion(character=ob.name)
@@ -625,7 +623,7 @@ def test_removing_it_leaves_the_action_that_plays() -> None:
     ops.add_locomotion(character=ob.name)
     ops.remove_locomotion(character=ob.name)
     assert cast.action_of(ob).name == "Dip"
-    assert _apart(_shown(ob, [11]), before) < NEAR
+    assert scenes.difference(_shown(ob, [11]), before) < NEAR
 
 
 def test_several_share_an_action_and_each_has_settings_of_its_own() -> None:
@@ -690,7 +688,7 @@ def test_files_keep_it_and_show_the_same_after_loading(tmp_path: Path) -> None:
     ob = bpy.data.objects["Hound"]
     assert definitions.is_generalized(ob.animation_data.action)
     assert _gait(ob).layers[0].style == "limp"
-    assert _apart(_shown(ob, WHOLE[::-1])[::-1], live) < NEAR
+    assert scenes.difference(_shown(ob, WHOLE[::-1])[::-1], live) < NEAR
 
 
 def test_characters_that_are_overridden_have_their_own(tmp_path: Path) -> None:
@@ -698,23 +696,19 @@ def test_characters_that_are_overridden_have_their_own(tmp_path: Path) -> None:
     library = scenes.save(tmp_path / "library.blend")
     scenes.empty()
     bpy.context.scene.frame_end = 180
-    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
-        wanted.objects = ["Biped"]
-    linked = bpy.data.objects["Biped"]
-    bpy.context.scene.collection.objects.link(linked)
-    ob = linked.override_create(remap_local_usages=True)
+    ob = scenes.link(library, "Biped").override_create(remap_local_usages=True)
     slow = _root(ob, [100])
     _gait(ob).speed = 2.0
     _gait(ob).add("sneak").weight = 0.5
     fast = _shown(ob, [100])
-    assert _apart(_root(ob, [100]), slow) > 1.0
+    assert scenes.difference(_root(ob, [100]), slow) > 1.0
     path = scenes.save(tmp_path / "scene.blend")
     scenes.empty()
     bpy.ops.wm.open_mainfile(filepath=str(path))
     (ob,) = [ob for ob in bpy.context.scene.objects if ob.type == "ARMATURE"]
     assert ob.override_library is not None
     assert _gait(ob).layers[0].style == "sneak"
-    assert _apart(_shown(ob, [100]), fast) < NEAR
+    assert scenes.difference(_shown(ob, [100]), fast) < NEAR
 
 
 def test_a_linked_character_goes_as_its_library_says(tmp_path: Path) -> None:
@@ -726,4 +720,4 @@ def test_a_linked_character_goes_as_its_library_says(tmp_path: Path) -> None:
         wanted.objects = ["Biped"]
     ob = bpy.data.objects["Biped"]
     bpy.context.scene.collection.objects.link(ob)
-    assert _apart(_shown(ob, WHOLE), live) < NEAR
+    assert scenes.difference(_shown(ob, WHOLE), live) < NEAR

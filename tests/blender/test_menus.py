@@ -1,13 +1,11 @@
 """Menus: what is of use without a list in the panel can be found by searching, and stands where it belongs."""
 
-from collections.abc import Iterator
-
 import bpy
 import pytest
 
 from morph_retarget.blender import registration
 from morph_retarget.blender.ui import graph_panels, menus
-from tests.blender import acting, scenes, window
+from tests.blender import acting, scenes
 from tests.blender.layouts import Layout, drawn
 
 ops = bpy.ops.morph_retarget
@@ -45,11 +43,7 @@ OF_LISTS = {
 }
 """What edits a list that a panel shows, and stands beside it."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _operators(layout: Layout) -> set[str]:

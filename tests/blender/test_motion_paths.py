@@ -1,7 +1,5 @@
 """The motion path of a channel, as the viewport draws it: it is where the body is meant to go."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -14,17 +12,17 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, MirrorRule, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import scenes, window
+from tests.blender import scenes
 
 ops = bpy.ops.morph_retarget
 FRAMES = np.arange(1.0, 21.0)
 
+pytestmark = pytest.mark.usefixtures("registered")
+
 
 @pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 20
-        yield
+def _frames() -> None:
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 20
 
 
 @pytest.fixture

@@ -78,15 +78,6 @@ def test_bones_of_the_longest_names_are_keyed(cli: Command, files: Files, out: P
 # --- linked rigs ---
 
 
-def _link(library: Path, name: str) -> bpy.types.Object:
-    with bpy.data.libraries.load(str(library), link=True) as (_, ours):
-        ours.objects = [name]
-    (ob,) = ours.objects
-    bpy.context.scene.collection.objects.link(ob)
-    bpy.context.view_layer.update()
-    return ob
-
-
 @pytest.fixture(params=["a still library", "a library with an action"])
 def library(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     """Return a .blend with the armature "Sprout", which other files link."""
@@ -101,7 +92,7 @@ def library(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 def test_a_linked_armature_needs_an_override_and_the_message_says_how(
     refused: Refused, files: Files, out: Path, tmp_path: Path, library: Path
 ) -> None:
-    _link(library, "Sprout")
+    scenes.link(library, "Sprout")
     shot = scenes.save(tmp_path / "shot.blend")
     message = refused("retarget", files.clip("blend"), shot, "-o", out / "o.blend", names=shot)
     assert "Sprout" in message
@@ -109,7 +100,7 @@ def test_a_linked_armature_needs_an_override_and_the_message_says_how(
 
 
 def test_a_linked_armature_can_be_a_source(cli: Command, files: Files, out: Path, tmp_path: Path) -> None:
-    _link(files.clip("blend"), "Walker")
+    scenes.link(files.clip("blend"), "Walker")
     shot = scenes.save(tmp_path / "shot.blend")
     said = cli("retarget", shot, files.tall, "-o", out / "o.blend")
     assert said.status == 0
@@ -122,7 +113,7 @@ def test_a_linked_armature_can_be_a_source(cli: Command, files: Files, out: Path
 def test_a_library_override_is_given_the_motion(
     cli: Command, files: Files, out: Path, tmp_path: Path, library: Path, alone: bool
 ) -> None:
-    linked = _link(library, "Sprout")
+    linked = scenes.link(library, "Sprout")
     own = linked.override_create(remap_local_usages=alone)
     if not alone:
         bpy.context.scene.collection.objects.link(own)

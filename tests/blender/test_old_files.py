@@ -3,7 +3,6 @@
 A file is added here when a version changes what is kept: with what is expected of it, and a step in `migrations`.
 """
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -15,7 +14,7 @@ from morph_retarget.blender.morph import cast, definitions
 from morph_retarget.blender.morph.properties import of_action
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.blender.scene_properties import MORPHRETARGET_PG_scene
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 
 FOLDER = Path(__file__).resolve().parent / "old_files"
 ACTIONS = {
@@ -25,11 +24,7 @@ ACTIONS = {
 }  # fmt: skip
 """Generalized actions of the file, and how many channels each has."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _open(name: str) -> None:

@@ -1,7 +1,6 @@
 """The buttons, called as scripts call them."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -16,11 +15,7 @@ from tests.blender import scenes, window
 
 ops = bpy.ops.morph_retarget
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _snapshot(ob: bpy.types.Object, action: bpy.types.Action) -> list[object]:

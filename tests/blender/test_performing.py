@@ -1,6 +1,5 @@
 """What characters show: a function of the frame alone, on armatures of every kind, placed anywhere."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -32,11 +31,7 @@ REACH = Channel(
 )
 FRAMES = [1, 5, 12.5, 20]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _dance(obs: list[bpy.types.Object], name: str = "Dance") -> Act:

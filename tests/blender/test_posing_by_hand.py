@@ -1,7 +1,5 @@
 """Posing with Blender's own tools: one bone is moved, and all bodies on all characters follow (Hecker 2008 §3.2)."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -16,18 +14,14 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, MirrorRule
 from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, RotationMode, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 ops = bpy.ops.morph_retarget
 HANDS = Channel("Hands", Context(Capability.GRASPER), Movement(scale=ScaleMode.LIMB_LENGTH), mirror=MirrorRule.LEFT)
 HEAD = Channel("Head", Context(Capability.HEAD), Movement(rotation=RotationMode.ABSOLUTE), poses_position=False)
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """The armatures that handlers know of: those of the scene, whatever was done to it since the last event."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import bpy
 import pytest
@@ -10,15 +10,11 @@ from morph_retarget.blender.morph import cast
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel
 from morph_retarget.core.morph.context import Context
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 
 HANDS = Channel("Hands", Context(Capability.GRASPER))
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _frame(frame: int) -> None:

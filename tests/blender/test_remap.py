@@ -14,7 +14,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, MirrorRule, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 SAME = 1e-5
@@ -32,11 +32,7 @@ CHOICES: Mapping[str, Sequence[object]] = {
 TARGETS = ("external", "context", "none")
 FIRST = {name: values[0] for name, values in CHOICES.items()}
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _hands(*names: str, **options: object) -> Act:

@@ -1,7 +1,5 @@
 """Frames that are known again: shown as they were played, and played anew as soon as anything about them is other."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -13,7 +11,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 HANDS = Channel("Hands", Context(Capability.GRASPER), Movement(scale=ScaleMode.LIMB_LENGTH))
@@ -23,11 +21,7 @@ REACH = Channel(
 )
 FRAMES = [1, 5, 12.5, 20]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

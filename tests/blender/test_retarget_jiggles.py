@@ -1,7 +1,6 @@
 """Jiggles of retargeted motions: loose parts of the target follow, keyed by the same code as in the window."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -17,18 +16,14 @@ from morph_retarget.blender.retarget import Options, Source
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MotionError
 from morph_retarget.core.solve.jiggle_kinds import JiggleSettings
-from tests.blender import results, scenes, window
+from tests.blender import results, scenes
 from tests.blender.command import Command
 from tests.blender.files import Files
 
 FACE = ("Chin", "Nose")
 LOOSE = Options(jiggles=JiggleSettings())
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """The sample actions on the sample characters, as they are committed."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -14,7 +13,6 @@ from morph_retarget.core.arrays import Array
 from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.bodies import Bodies
 from morph_retarget.core.play import Played
-from tests.blender import window
 from tools import acting, acts, pictures
 from tools import stage as stages
 from tools.acting import Act
@@ -33,11 +31,7 @@ BEYOND = {
 }
 """Acts whose goals may lie out of reach, and why."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

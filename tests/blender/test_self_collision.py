@@ -1,6 +1,5 @@
 """Self-collision: a character that avoids it swivels its arms out of its trunk, live, baked and on the command line."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -14,7 +13,7 @@ from morph_retarget.core.character.morphology import Capability
 from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement
-from tests.blender import acting, acts, results, scenes, window
+from tests.blender import acting, acts, results, scenes
 from tests.blender.acts import Act
 from tests.blender.command import Command
 
@@ -23,11 +22,7 @@ BELLY = Channel(
 )
 BONES = ["LowerArm.L", "Hand.L", "Chest"]
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _act() -> Act:

@@ -1,6 +1,5 @@
 """Solver settings of characters and of their limbs, as the panel has them: followed at once, kept in files, undone."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -18,7 +17,7 @@ from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, ScaleMode
 from morph_retarget.core.solve.limb_settings import LimbSettings
 from morph_retarget.core.solve.settings import DEFAULT, SolverSettings
-from tests.blender import acting, acts, results, scenes, window
+from tests.blender import acting, acts, results, scenes
 from tests.blender.acts import Act
 from tests.blender.command import Command
 from tests.blender.layouts import drawn
@@ -29,11 +28,7 @@ FEET, HANDS = (Channel(c.value.title(), Context(c), SIZED) for c in (Capability.
 ARM = ["UpperArm.L", "LowerArm.L"]
 NEAR = 1e-5
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Editing a channel through the ordinary curves of a stand-in for its active body (Hecker 2008 §3.3)."""
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from morph_retarget.core.errors import MotionError
 from morph_retarget.core.morph.channels import Channel, MirrorRule, TargetKind
 from morph_retarget.core.morph.context import Context
 from morph_retarget.core.morph.movement import Movement, PositionMode, RotationMode, ScaleMode
-from tests.blender import acts, scenes, window
+from tests.blender import acts, scenes
 from tests.blender.acts import Act
 
 ops = bpy.ops.morph_retarget
@@ -29,11 +27,7 @@ MODES = {
     "place": Movement(position=PositionMode.ABSOLUTE, rotation=RotationMode.ABSOLUTE),
 }
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _act(modes: str = "limb", body: str = "Hand.L", *names: str) -> Act:

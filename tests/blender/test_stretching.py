@@ -1,6 +1,6 @@
 """Allow Stretch on characters: joints move off their parents, live and baked, as far as Blender lets them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -15,7 +15,7 @@ from morph_retarget.core.morph.channels import Channel, TargetKind
 from morph_retarget.core.morph.context import Context, Side
 from morph_retarget.core.morph.movement import Movement
 from morph_retarget.core.solve.settings import DEFAULT
-from tests.blender import acting, acts, results, scenes, window
+from tests.blender import acting, acts, results, scenes
 from tests.blender.acts import Act
 from tests.blender.command import Command
 
@@ -30,11 +30,7 @@ FAR = 1.1
 NEAR = 1e-5
 """What lengths and places are off by [m]: Blender's poses are single precision."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 def _rest(ob: bpy.types.Object, bones: Sequence[str] = ARM) -> Array:

@@ -1,6 +1,5 @@
 """The sample scenes of locomotion, as they are committed: who opens one sees the character go."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,7 +15,7 @@ from morph_retarget.blender.morph import cast, definitions
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array, Flags
 from morph_retarget.core.locomotion.stepping.gait import Gait
-from tests.blender import acting, scenes, window
+from tests.blender import acting, scenes
 from tools.pictures import SAMPLES
 from tools.walks import GAITS, SPEEDS, STEP, STEPS, WALKS
 
@@ -26,11 +25,7 @@ STILL = 0.002
 NEAR_GROUND = 0.02
 """They are no further from the ground than this [leg lengths]."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @dataclass(frozen=True, eq=False)
