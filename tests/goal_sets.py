@@ -362,3 +362,17 @@ def _tables(data: Path) -> tuple[truth.Table, ...]:
 @cache
 def _real(data: Path, place: int) -> Character:
     return truth.find(truth.rig(data, _tables(data)[place]))
+
+
+def hard(subject: Subject, count: int) -> dict[str, Goals]:
+    """Return goals that nobody can meet, or only in strange poses; ``count`` sets of most kinds."""
+    sets, rng = random_sets(subject, np.random.default_rng(2), count), np.random.default_rng(3)
+    return {
+        "just out of reach": beyond(sets, 1.1),
+        "out of reach": beyond(sets, 3.0),
+        "close to the root": beyond(sets, 0.1),
+        "at the root": beyond(sets, 0.0),
+        "at infinity": at_infinity(subject, rng, 20),
+        "in one place": coincident(sets),
+        "at the joints": at_the_joint(subject),
+    }

@@ -64,19 +64,6 @@ def _sets(subject: Subject, count: int = SETS, seed: int = 1) -> Sets:
     return goal_sets.random_sets(subject, np.random.default_rng(seed), count)
 
 
-def _hard(subject: Subject) -> dict[str, Goals]:
-    """Return goals that nobody can meet, or only in strange poses."""
-    sets, rng = _sets(subject, 30, 2), np.random.default_rng(3)
-    return {
-        "out of reach": goal_sets.beyond(sets, 3.0),
-        "close to the root": goal_sets.beyond(sets, 0.1),
-        "at the root": goal_sets.beyond(sets, 0.0),
-        "at infinity": goal_sets.at_infinity(subject, rng, 20),
-        "in one place": goal_sets.coincident(sets),
-        "at the joints": goal_sets.at_the_joint(subject),
-    }
-
-
 def _apart(subject: Subject, pose: BodyPose, places: Array, turns: Array, bodies: Indices) -> tuple[float, float]:
     """Return how far bodies are from where they should be, over the character's size, and how far turned [rad]."""
     away = quat.length(pose.positions[:, bodies] - places).max() / (HUMAN * subject.scale)
@@ -163,7 +150,7 @@ def _assert_lengths(subject: Subject, goals: Goals, what: str) -> None:
 
 
 def test_bones_keep_their_lengths(subject: Subject) -> None:
-    for what, goals in {"random": _sets(subject).goals, **_hard(subject)}.items():
+    for what, goals in {"random": _sets(subject).goals, **goal_sets.hard(subject, 30)}.items():
         _assert_lengths(subject, goals, what)
 
 
@@ -309,7 +296,7 @@ def test_knees_and_elbows_bend_the_way_they_do_at_rest(subject: Subject) -> None
 
     Limbs of several hinges may fold through themselves for goals that are nearer than they can come.
     """
-    for what, goals in {"random": _sets(subject).goals, **_hard(subject)}.items():
+    for what, goals in {"random": _sets(subject).goals, **goal_sets.hard(subject, 30)}.items():
         pose = solved(subject, goals)
         for hinged in subject.limbs:
             if what != "random" and len(hinged.hinges) > 1:
@@ -322,7 +309,7 @@ def test_knees_and_elbows_bend_the_way_they_do_at_rest(subject: Subject) -> None
 
 
 def test_hard_goals_make_poses_without_nan(subject: Subject) -> None:
-    for what, goals in _hard(subject).items():
+    for what, goals in goal_sets.hard(subject, 30).items():
         pose = solved(subject, goals)
         assert np.isfinite(pose.positions).all(), what
         assert np.isfinite(pose.shift).all(), what
@@ -331,7 +318,7 @@ def test_hard_goals_make_poses_without_nan(subject: Subject) -> None:
 
 def test_hard_goals_make_poses_without_nan_on_real_rigs(data: Path) -> None:
     for name, subject in _rigs(data).items():
-        for what, goals in _hard(subject).items():
+        for what, goals in goal_sets.hard(subject, 30).items():
             pose = solved(subject, goals)
             assert np.isfinite(pose.positions).all(), (name, what)
             assert np.abs(quat.length(pose.turns) - 1.0).max() < 1e-9, (name, what)
@@ -362,7 +349,7 @@ def _same(pose: BodyPose, other: BodyPose, chosen: Indices | slice) -> bool:
 
 def _goals_of_all_kinds(subject: Subject) -> Goals:
     """Return goals in reach and hard ones, with influences of any size."""
-    parts = [_sets(subject, 60).goals, *_hard(subject).values()]
+    parts = [_sets(subject, 60).goals, *goal_sets.hard(subject, 30).values()]
     places, turns = (np.concatenate([getattr(part, name) for part in parts]) for name in ("positions", "turns"))
     influence = np.random.default_rng(7).uniform(0.0, 1.0, (2, *places.shape[:2]))
     influence[:, ::2] = 1.0

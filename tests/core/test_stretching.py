@@ -169,19 +169,6 @@ def _sets(subject: Subject, count: int, factor: float = 1.0, seed: int = 1) -> G
     return goal_sets.beyond(goal_sets.random_sets(subject, np.random.default_rng(seed), count), factor)
 
 
-def _hard(subject: Subject) -> dict[str, Goals]:
-    sets, rng = goal_sets.random_sets(subject, np.random.default_rng(2), 20), np.random.default_rng(3)
-    return {
-        "just out of reach": goal_sets.beyond(sets, 1.1),
-        "out of reach": goal_sets.beyond(sets, 3.0),
-        "close to the root": goal_sets.beyond(sets, 0.1),
-        "at the root": goal_sets.beyond(sets, 0.0),
-        "at infinity": goal_sets.at_infinity(subject, rng, 20),
-        "in one place": goal_sets.coincident(sets),
-        "at the joints": goal_sets.at_the_joint(subject),
-    }
-
-
 def _at_full_stretch(subject: Subject, plan: Plan, rng: np.random.Generator, count: int) -> tuple[Goals, Indices]:
     """Return goals for the ends of limbs beyond their lengths, the rest where it is at rest; and which goals."""
     goals, own, character = goal_sets.at_rest(subject, count), list[int](), subject.character
@@ -276,7 +263,7 @@ def test_more_goals_are_met_than_without(subject: Subject) -> None:
 @pytest.mark.parametrize("bends_spine", [False, True])
 def test_no_bone_is_longer_or_shorter_than_it_may(subject: Subject, bends_spine: bool) -> None:
     plan = _plan(subject, bends_spine=bends_spine)
-    for what, goals in _hard(subject).items():
+    for what, goals in goal_sets.hard(subject, 20).items():
         pose = posing.solve(plan, goals)
         assert np.isfinite(pose.positions).all(), what
         for factors in _longer(plan, pose):
