@@ -9,7 +9,7 @@ import bpy
 import pytest
 
 from morph_retarget.blender.cli import program
-from tests.blender import window
+from tests.blender import acting, scenes, window
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "sample_blends" / "jobs.toml"]
@@ -33,6 +33,26 @@ def test_a_documented_command_is_understood(page: str, line: str) -> None:
 
 def test_there_are_documented_commands() -> None:
     assert len(list(_commands())) > 20
+
+
+def _scripts() -> Iterator[tuple[str, str]]:
+    """Yield each piece of Python in a document, and the document's name."""
+    for page in PAGES:
+        for script in re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL):
+            yield page.name, script
+
+
+@pytest.mark.usefixtures("registered")
+@pytest.mark.parametrize(("page", "script"), [pytest.param(*found, id=found[0]) for found in _scripts()])
+def test_documented_python_runs_in_a_file_that_has_what_it_names(page: str, script: str) -> None:
+    scenes.walker()
+    scenes.sprout("Hero").data.bones["Foot.L"].name = "ankle_l"
+    fox = acting.creature("hound", "Fox")
+    scenes.key(fox, "Run", {fox.pose.bones[0].path_from_id("location"): [[0.0, 0.0, 0.0], [0.0, 0.3, 0.0]]})
+    acting.dip(scenes.figure("Ann"), acting.creature("hound")).name = "Wave"
+    for name, data in (("Bird", None), ("Hill", bpy.data.meshes.new("Hill"))):
+        bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, data))
+    exec(compile(script, page, "exec"), {"bpy": bpy})
 
 
 def test_documented_operators_and_their_arguments_are_there() -> None:

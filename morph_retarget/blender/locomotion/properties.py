@@ -96,7 +96,7 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         description="Let legs, or the whole body where there are none, carry the character over the ground",
         **_MANNER,
     )
-    style: _style("Style", "Manner of going; Automatic goes from a walk to faster gaits with the speed")
+    style: _style("Style", "Manner of going; Auto goes from a walk to faster gaits with the speed")
     layers: CollectionProperty(
         type=MORPHRETARGET_PG_gait_layer,
         name="Further Styles",
