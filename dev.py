@@ -56,23 +56,13 @@ def _test(arguments: argparse.Namespace) -> int:
     versions = list(PYTHONS) if arguments.blender == "all" else [_version(arguments.blender)]
     # As many processes as there are cores; a file stays with one of them, where what it shares is made once.
     given = ["-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder", *arguments.pytest]
-    os.environ.update(_sparing())
+    # Code is compiled once, into one folder, so that nothing is written beside it.
+    os.environ["PYTHONPYCACHEPREFIX"] = str(ROOT / ".venv" / "compiled")
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     failed = [v for v in versions if _run([_blender(v), "-m", "pytest", *given], f"Blender {v}")]
     if failed:
         print(f"failed with Blender {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
-
-
-def _sparing() -> dict[str, str]:
-    """Return what spares tests work: code that is compiled once, and one thread for each of as many processes as cores.
-
-    All that is compiled lies in one folder, so nothing is written beside the code.
-    """
-    return {
-        "PYTHONPYCACHEPREFIX": str(ROOT / ".venv" / "compiled"),
-        "OPENBLAS_NUM_THREADS": "1",
-    }
 
 
 def _check(_: argparse.Namespace) -> int:

@@ -5,6 +5,9 @@ import os
 import sys
 from pathlib import Path
 
+# One thread for each of as many processes as cores; NumPy asks for this when it is first imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import bpy
 import hypothesis
 import pytest

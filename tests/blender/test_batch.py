@@ -91,7 +91,7 @@ def test_workers_are_renewed_now_and_then(tmp_path: Path, monkeypatch: pytest.Mo
     ],
 )
 def test_a_bad_job_costs_only_itself(tmp_path: Path, what: str, status: Status, told: str) -> None:
-    found = _pool(tmp_path, ["a", what, "b", "c"], 1, timeout=3.0 if what == "hang" else None)
+    found = _pool(tmp_path, ["a", what, "b", "c"], 1, timeout=1.0 if what == "hang" else None)
     assert [result.answer.status for result in found] == [Status.OK, status, Status.OK, Status.OK]
     assert told in found[1].answer.error
     assert "\n" not in found[1].answer.error
