@@ -1,6 +1,5 @@
 """Generalized actions on rigs with controls: deform bones do what they would do alone, live and baked."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
@@ -13,7 +12,7 @@ from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.core import keyed
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MappingError
-from tests.blender import acting, acts, control_rigs, scenes, window
+from tests.blender import acting, acts, control_rigs, scenes
 from tools import acting as tools_acting
 from tools import acts as samples
 from tools.figure import blender
@@ -24,11 +23,7 @@ FRAMES = (1, 6, 11, 13.5, 16, 21)
 SAME = 1e-4
 """Places that are no further apart are the same [m]."""
 
-
-@pytest.fixture(autouse=True)
-def _registered() -> Iterator[None]:
-    with window.registered():
-        yield
+pytestmark = pytest.mark.usefixtures("registered")
 
 
 @pytest.fixture
