@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import actions
-from morph_retarget.blender.morph import cast, jiggles, perform
+from morph_retarget.blender.morph import cast, jiggles, keys, perform
 from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.character.morphology import Capability
@@ -82,6 +82,24 @@ def test_frames_far_beyond_the_first_simulation_continue_it() -> None:
     far = _tip(hound, [303, 306, 308])
     perform.forget()
     assert scenes.difference(_tip(hound, [308, 303, 306]), far[[2, 0, 1]]) < 1e-6
+
+
+@pytest.mark.parametrize("loop", [True, False])
+def test_far_behind_the_end_of_an_action_the_beginning_is_left_out_and_nobody_can_tell(loop: bool) -> None:
+    hound = acts.creature("hound")
+    act = _leap([hound])
+    act.key(31, "Body", position=(0.0, 0.0, 0.0), rotation=(1.0, 0.0, 0.0, 0.0))
+    for curve in keys.curves(act.action).values():
+        curve.modifiers.new("CYCLES")
+    of_rig(hound).jiggles.loop = loop
+    frames = [6000, 6003.5, 6010]
+    live = _tip(hound, frames)
+    of_rig(hound).jiggles.enabled = False
+    assert scenes.difference(_tip(hound, frames), live) > 0.01, "it still jiggles"
+    of_rig(hound).jiggles.enabled = True
+    assert scenes.difference(_tip(hound, [2, *frames])[1:], live) == 0.0
+    acting.baked(hound, options=acting.Options(frames=(6000, 6010)))  # simulated from the first frame on
+    assert scenes.difference(_tip(hound, frames[::2]), live[::2]) < 1e-5
 
 
 @pytest.mark.parametrize("kind", ["hound", "bird", "snake"])

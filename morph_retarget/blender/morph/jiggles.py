@@ -1,7 +1,8 @@
 """Jiggles of characters that play generalized actions: live, and when they are baked.
 
-What is shown at a frame is the simulation from the first frame of the action, whatever was shown before. It is made
-over many frames at once and kept; run-time state, dropped on load, undo and redo.
+What is shown at a frame is the simulation from the first frame of the action, whatever was shown before. Far behind
+the end of the action it begins later, since nothing is left by then of how it began. It is made over many frames at
+once and kept; run-time state, dropped on load, undo and redo.
 """
 
 from collections.abc import Container, Iterable, Mapping
@@ -30,6 +31,8 @@ from .stage import ToldTargets, ToldValues
 
 LEAST = 128
 """At least so many frames are simulated at once; twice as many whenever they do not suffice."""
+FADED = 40.0
+"""Half-lives after which nothing is left of how a simulation began: a millionth of a millionth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,16 +72,26 @@ class _Steady:
 
 @dataclass(frozen=True, eq=False)
 class _Simulated:
-    """The jiggles of a character over the frames from the first of its action."""
+    """The jiggles of a character over some frames."""
 
     member: Member
     jiggling: Jiggling
+    action: int
+    """First frame of the action."""
+    stretch: int
+    """Frames, in whole rounds of the action, after which nothing is left of how it began."""
     first: int
+    """Frame from which on it was simulated."""
     basis: Array
     """Rotations of the jiggling bones, shape (frame, n, 4)."""
     steady: _Steady
     told: tuple[object, ...]
     """What was steady when it was made."""
+
+    def covers(self, frame: float) -> bool:
+        """Return whether it tells of a frame."""
+        begins = _beginning(self.action, self.stretch, frame) == self.first
+        return begins and frame - self.first <= len(self.basis) - 1.0
 
     def at(self, frame: float) -> Array:
         """Return the rotations at one frame, which need not be whole, shape (1, n, 4)."""
@@ -162,7 +175,7 @@ def shown(
         return played
     values, places = told.values, seen.places
     before, frame = _simulated.get(ob.session_uid), scene.frame_current_final
-    if before is not None and (before.member is not member or frame - before.first > len(before.basis) - 1.0):
+    if before is not None and (before.member is not member or not before.covers(frame)):
         before = None
     if before is not None and anew:
         way = walks.number(member, scene, graph)
@@ -187,7 +200,7 @@ def _simulate(
     values: Values,
     places: Mapping[int, Array],
 ) -> _Simulated:
-    """Return the jiggles from the first frame of an action until at least the present one.
+    """Return the jiggles until at least the end of an action, or the present frame, if that is later.
 
     Raises:
         MotionError: The frames before cannot be known without setting them.
@@ -197,19 +210,38 @@ def _simulate(
     steady = _Steady.of(member, moving)
     told = (walks.number(member, scene, graph), *steady.read(scene, values, places))
     if not found:
-        return _Simulated(member, found, 0, np.empty((10**6, 0, 4)), steady, told)
+        return _Simulated(member, found, 0, 10**6, 0, np.empty((2 * 10**6, 0, 4)), steady, told)
     _check_known(member, moving)
     known = member.gait is not None or keys.curves(member.action)
     first, last = clip.range_of(member, scene) if known else (int(frame), int(frame))
+    stretch = _stretch(found, last - first, seconds_per_frame(scene))
+    start = _beginning(first, stretch, frame)
     count = LEAST
-    while count <= max(last, frame) - first + 1.0:
+    while count <= max(last, frame) - start + 1.0:
         count *= 2
-    frames = first + np.arange(float(count))
+    frames = start + np.arange(float(count))
     places = {**places, **{i: _places(member, i, frames) for i in moving}}
     lower = walks.over(member, scene, graph, frames)
     whole = play.evaluate(member.part, stage.values_over(member, ob, frames), places, lower)
     basis = _changes(member, found, scene, whole, frames, last - first)
-    return _Simulated(member, found, first, basis, steady, told)
+    return _Simulated(member, found, first, stretch, start, basis, steady, told)
+
+
+def _stretch(found: Jiggling, length: int, step: float) -> int:
+    """Return after how many frames nothing is left of how a simulation began, in whole rounds of its action.
+
+    Args:
+        found: What jiggles.
+        length: Of the action [frames].
+        step: Time between frames [s].
+    """
+    least, round_ = FADED * float(found.chains.half_life.max()) / step, max(length, 1)
+    return round_ * max(int(np.ceil(max(least, LEAST) / round_)), 1)
+
+
+def _beginning(action: int, stretch: int, frame: float) -> int:
+    """Return from which frame on it is simulated what is shown at a frame: a whole stretch before it, or more."""
+    return action + stretch * max(int((frame - action) // stretch) - 1, 0)
 
 
 def _moving(member: Member) -> list[int]:
