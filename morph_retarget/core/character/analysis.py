@@ -13,6 +13,7 @@ from ..skeleton import Skeleton
 from . import capabilities, face, fingers, joints, morphology, named_body, orientation
 from .anatomy import Evidence, collect
 from .character import Character
+from .families import BODY
 from .frame import CharacterFrame, Placement
 from .joint_map import Found
 from .joints import JointMatch
@@ -20,11 +21,15 @@ from .morphology import Limb, LimbKind, Morphology
 from .named_body import MARGIN, NamedBody
 from .orientation import SideVotes, Sight
 from .trunk import Trunk
+from .words import Sense
 
 UPRIGHT = 0.7
 """Cosine of the lean from hips to head up to which a biped with arms counts as a humanoid …"""
 UPRIGHT_WITH_TAIL = 0.9
 """… and one that also has a tail."""
+FOLDED = 0.6
+"""A leg is folded whose foot is nearer to the hip than this share of the leg's length."""
+_LIMB_JOINTS = tuple(joint for joint in BODY if joint.startswith(joints.SIDES))
 _TRUNK_JOINTS = ("hips", "spine", "chest", "upperChest", "neck", "head", "jaw", "leftEye", "rightEye")
 
 
@@ -73,12 +78,13 @@ def analyze(
         votes = SideVotes(0.0, 10.0 * math.copysign(1.0, float(left @ sight.body.axes[0])))
     plan = morphology.find(sight.body, left_is_x=votes.sign > 0)
     if orientation.is_no_pose(sight, overrides.up) and len({leg.row for leg in plan.of(LimbKind.LEG)}) < 2:
-        sight = orientation.look_blind(evidence, overrides.up) or sight
+        sight = orientation.look_blind(evidence, placement, overrides.up) or sight
         votes = orientation.side_votes(sight) if overrides.forward is None else votes
         plan = morphology.find(sight.body, left_is_x=votes.sign > 0)
-    humanoid = _is_humanoid(sight, plan)
+    upright = _is_upright(sight, plan)
+    humanoid = upright or _is_person(sight, plan)
     named = named_body.find(evidence)
-    if named is not None and not (humanoid and named.agrees(sight.decision) and _sides_agree(sight, votes, named)):
+    if named is not None and not (upright and named.agrees(sight.decision) and _sides_agree(sight, votes, named)):
         sight, humanoid = named.sight(evidence, overrides.up, overrides.forward), True
         votes, overrides = SideVotes(MARGIN, 0.0), replace(overrides, forward=-sight.body.axes[1])
         plan = morphology.find(sight.body, left_is_x=True)
@@ -108,7 +114,8 @@ def analyze(
     )
 
 
-def _is_humanoid(sight: Sight, plan: Morphology) -> bool:
+def _is_upright(sight: Sight, plan: Morphology) -> bool:
+    """Return whether a body has a pair of arms besides its legs, and a head above them."""
     found = sight.decision.joints
     if not {"leftUpperLeg", "rightUpperLeg"} & found.keys() or not {"leftUpperArm", "rightUpperArm"} & found.keys():
         return False
@@ -117,8 +124,7 @@ def _is_humanoid(sight: Sight, plan: Morphology) -> bool:
     legs = plan.of(LimbKind.LEG)
     if legs and all(limb.side == 0 for limb in legs):
         return False  # what hops on one leg has no others, whatever the search took for them
-    feet = {b for limb in legs for b in limb.bones}
-    if feet & {found[j].bone for j in ("leftLowerArm", "rightLowerArm") if j in found}:
+    if _goes_on_arms(sight, plan):
         return False
     head = found["head"].bone if "head" in found else plan.trunk.head
     if head is None:
@@ -126,6 +132,36 @@ def _is_humanoid(sight: Sight, plan: Morphology) -> bool:
     rise = sight.body.points[head] - sight.body.points[found["hips"].bone]
     least = UPRIGHT_WITH_TAIL if plan.trunk.tails else UPRIGHT
     return float(rise[2]) > least * float(np.linalg.norm(rise))
+
+
+def _is_person(sight: Sight, plan: Morphology) -> bool:
+    """Return whether names call all joints of arms and legs so, on a body that is no beast: people lean and crouch."""
+    found = sight.decision.joints
+    if not all(joint in found and found[joint].by == "name" for joint in _LIMB_JOINTS):
+        return False
+    return not _is_beast(sight.body.evidence, plan) and (not _goes_on_arms(sight, plan) or _is_crouched(sight))
+
+
+def _goes_on_arms(sight: Sight, plan: Morphology) -> bool:
+    """Return whether arms are among the legs."""
+    found, feet = sight.decision.joints, {b for limb in plan.of(LimbKind.LEG) for b in limb.bones}
+    return bool(feet & {found[j].bone for j in ("leftLowerArm", "rightLowerArm") if j in found})
+
+
+def _is_beast(evidence: Evidence, plan: Morphology) -> bool:
+    """Return whether a rig has what people have not: a tail, wings or fins."""
+    return bool(plan.trunk.tails) or any(r.has(Sense.TAIL, Sense.WING, Sense.FIN) for r in evidence.readings)
+
+
+def _is_crouched(sight: Sight) -> bool:
+    """Return whether both legs are folded, as of people whose hands come down to the ground beside them."""
+    legs = [
+        [sight.decision.joints[side + joint].bone for joint in ("UpperLeg", "LowerLeg", "Foot")]
+        for side in joints.SIDES
+    ]
+    places = sight.body.points[legs]
+    straight = np.linalg.norm(places[:, 2] - places[:, 0], axis=-1)
+    return bool((straight < FOLDED * np.linalg.norm(np.diff(places, axis=1), axis=-1).sum(axis=1)).all())
 
 
 def _sides_agree(sight: Sight, votes: SideVotes, named: NamedBody) -> bool:
@@ -261,8 +297,8 @@ def _frame(
     forward = quat.cross(left, up)
     if overrides.forward is not None:
         forward = quat.unit(overrides.forward - (overrides.forward @ up) * up)
-    elif sight.trust < 1.0 or posed:
-        # A rest that is no pose faces nowhere: the world's own front is kept, so that clips of one actor agree.
+    elif posed or not sight.faces:
+        # Such a rest faces nowhere: the world's own front is kept, so that clips of one actor agree.
         forward = quat.cross(np.array([1.0, 0.0, 0.0]), up) if abs(up[0]) < 0.9 else forward
     heights = evidence.positions @ up
     top, ground = _top(evidence, heights, plan), _ground(evidence, heights, placement, up, plan)

@@ -117,8 +117,15 @@ def _aside(body: Body, left_is_x: bool) -> list[Branch]:
 
 
 def _off_middle(body: Body) -> Flags:
-    """Return which bones lie beside the middle, shape (bone,)."""
-    return (body.partner >= 0) | ((body.partner == ALONE) & (np.abs(body.points[:, 0]) > ON_MIDDLE))
+    """Return which bones lie beside the middle, shape (bone,).
+
+    What carries both bones of a pair is of the middle, however far a rest that leans to the side has it.
+    """
+    ancestors = body.evidence.tree.ancestors
+    carriers = {b for left, right in body.pairs for b in {*ancestors[int(left)]} & {*ancestors[int(right)]}}
+    alone = (body.partner == ALONE) & (np.abs(body.points[:, 0]) > ON_MIDDLE)
+    alone[list(carriers)] = False
+    return (body.partner >= 0) | alone
 
 
 # --- in the middle ---

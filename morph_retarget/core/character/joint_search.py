@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array, Indices
 from . import limbs
 from .anatomy import BODY_HOP, Body
-from .joint_names import NOT_A_JOINT, POSSIBLE, SURE
+from .joint_names import LIKELY, NOT_A_JOINT, POSSIBLE, SURE
 from .limbs import Triples, Units, bell
 
 DETACHED = -5.0
@@ -20,6 +20,8 @@ NO_NECK = -0.8
 NO_SPINE = -2.0
 NO_ARMS = -8.0
 NO_HEAD = -6.0
+FOOT_OF_TOES = 4.0
+"""What toes say, by their name, for the foot that carries them."""
 HAND_FAN = (0.0, 0.0, 1.2, 2.0, 2.5)
 """What 0, 1, 2, 3, 4 or more branches say for a hand (the paper maps a joint with five children to the wrist)."""
 HOPELESS = 25.0
@@ -82,15 +84,20 @@ class Search:
         return arms.score + self.trust * (hand - 1.5 * inner - 2.0 * early)
 
     def _with_toes(self, legs: Triples) -> Triples:
-        """Favour ends from which a bone leads on along the ground."""
+        """Favour ends from which a bone leads on along the ground, and those called foot with one called toe below."""
         points = self.units.points
-        flat = np.zeros(len(self.units) + 1)
+        flat, named = np.zeros(len(self.units) + 1), np.zeros(len(self.units) + 1)
+        foot, toes = (
+            [limbs.unit_score(self.body, self.units, unit, joint) >= LIKELY for unit in range(len(self.units))]
+            for joint in ("Foot", "Toes")
+        )
         for unit, below in enumerate(self.units.below):
+            named[unit] = FOOT_OF_TOES * (foot[unit] and any(toes[toe] for toe in below))
             for toe in below:
                 step = points[toe] - points[unit]
                 if 0.015 < abs(step[1]) < 0.25 and abs(step[1]) > 0.4 * abs(step[2]):
                     flat[unit] = 0.8
-        return replace(legs, score=legs.score + self.trust * flat[legs.end])
+        return replace(legs, score=legs.score + self.trust * flat[legs.end] + named[legs.end])
 
     def best(self) -> Choice | None:
         """Return the best hips, chest, legs, arms, neck and head together, None when nothing fits."""

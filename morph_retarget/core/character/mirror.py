@@ -2,10 +2,11 @@
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Indices
+from ..arrays import Array, Flags, Indices
 from ..tree import Tree
 from .names import Reading
 from .words import SENSES, Sense
@@ -31,18 +32,51 @@ def named_partners(readings: Sequence[Reading]) -> Indices:
 _SIDE_WORDS = frozenset(w for w, s in SENSES.items() if {Sense.LEFT, Sense.RIGHT} & set(s)) | {"l", "r"}
 
 
-def lateral_axis(positions: Array, partners: Indices) -> tuple[Array, float]:
-    """Return the unit direction from right to left that the named pairs agree on, and how well they agree (0 … 1)."""
+@dataclass(frozen=True, eq=False)
+class Lateral:
+    """What the named pairs say of the axis from side to side."""
+
+    axis: Array
+    """Unit vector, of either sign, shape (3,)."""
+    agreement: float
+    """How well the pairs that were asked agree, 0 … 1."""
+    symmetry: float
+    """How well all of them do."""
+
+
+def lateral(positions: Array, partners: Indices, tree: Tree) -> Lateral:
+    """Return the axis between the two sides that the named pairs agree on.
+
+    Hips and shoulders keep it in a rest whose limbs are bent, as in a fighting stance: pairs that start at the trunk
+    tell it there.
+
+    Args:
+        positions: Bone heads [m], shape (bone, 3).
+        partners: What `named_partners` found.
+        tree: The bones.
+    """
     left = np.flatnonzero(partners >= 0)
     left = left[left < partners[left]]
     steps = positions[left] - positions[partners[left]]
     size = np.linalg.norm(steps, axis=-1)
     good = size > 1e-4 * max(float(np.ptp(positions, axis=0).max()), 1e-9)
     if good.sum() == 0:
-        return np.array([1.0, 0.0, 0.0]), 0.0
-    # The outer product of steps is blind to their sign, so swapped names do not cancel the axis.
-    spread = np.einsum("pi,pj->ij", steps[good] / size[good, None], steps[good] / size[good, None]) / good.sum()
-    values, vectors = np.linalg.eigh(spread)
+        return Lateral(np.array([1.0, 0.0, 0.0]), 0.0, 0.0)
+    left, ways = left[good], steps[good] / size[good, None]
+    first = of_trunk(left, partners[left], tree)
+    trials = [_common_axis(ways), *([_common_axis(ways[first])] if first.sum() >= 2 else [])]
+    return Lateral(*max(trials, key=lambda trial: trial[1]), symmetry=trials[0][1])
+
+
+def of_trunk(left: Indices, right: Indices, tree: Tree) -> Flags:
+    """Return which pairs of bones hang on no other pair of them, as hips, shoulders and eyes, shape (pair,)."""
+    apart = {*left.tolist(), *right.tolist()}
+    return np.array([int(tree.parents[bone]) not in apart for bone in left], dtype=bool)
+
+
+def _common_axis(ways: Array) -> tuple[Array, float]:
+    """Return the axis that unit vectors agree on, whatever their signs, and how well they do: names may be swapped."""
+    values, vectors = np.linalg.eigh(ways.T @ ways / len(ways))
     return vectors[:, -1], float(values[-1])
 
 

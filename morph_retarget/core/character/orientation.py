@@ -24,6 +24,16 @@ LYING_SHAPE = 3.0
 BLIND_TRUST = 0.15
 LEANING = 0.85
 """Cosine of the angle to the user's up axis from which on an axis cannot be that from side to side."""
+AGREEING = 0.8
+"""From this agreement on, see `mirror.lateral`, named pairs know the axis from side to side."""
+NEAR_AXIS = 0.98
+"""Cosine of the angle between the axis that names tell and one of the object's from which on both are the same …"""
+TURNED = 0.7
+"""… and the same for a rest that is bent …"""
+SYMMETRIC = 0.995
+"""… which it is below this symmetry."""
+LEVEL = 0.5
+"""Cosine of its angle to the up axis up to which it is level enough to face square to it."""
 FULLY_NAMED = 12
 """So many joints must have been found by name for a rig to be judged by its names alone."""
 
@@ -36,6 +46,8 @@ class Sight:
     decision: Decision
     trust: float
     """1 for a rest pose that looks like a body, `BLIND_TRUST` for one that does not."""
+    faces: bool = True
+    """Whether the rest faces somewhere: its left is known."""
 
 
 def look(evidence: Evidence, placement: Placement, up: Array | None) -> Sight:
@@ -74,26 +86,35 @@ def is_no_pose(sight: Sight, up: Array | None) -> bool:
     return sight.decision.shape < (LYING_SHAPE if lying else DEGENERATE_SHAPE) or _sides_mixed(sight.body)
 
 
-def look_blind(evidence: Evidence, up: Array | None) -> Sight | None:
-    """Return a rig judged by its names alone, upright in the world; None when they do not name a body."""
+def look_blind(evidence: Evidence, placement: Placement, up: Array | None) -> Sight | None:
+    """Return a rig judged by its names alone, upright in the world; None when they do not name a body.
+
+    Where names of left and right agree on a level axis, as in a crouch, it faces square to that.
+    """
     axis = WORLD_AXES["+Z"] if up is None else up
     left = WORLD_AXES["+X"] if abs(axis[0]) < 0.9 else WORLD_AXES["+Y"]
+    said = mirror.lateral(evidence.positions, evidence.by_name, evidence.tree)
+    faces = said.agreement > AGREEING and abs(float(said.axis @ axis)) < LEVEL
+    if faces:
+        left = _lateral(evidence, placement, axis)
     body = see(evidence, quat.unit(left - (left @ axis) * axis), axis)
     decision = joint_map.decide(body, BLIND_TRUST)
     named = sum(f.by == "name" for f in decision.joints.values())
-    return Sight(body, decision, BLIND_TRUST) if named >= FULLY_NAMED else None
+    return Sight(body, decision, BLIND_TRUST, faces and not _sides_mixed(body)) if named >= FULLY_NAMED else None
 
 
 def _lateral(evidence: Evidence, placement: Placement, up: Array | None) -> Array:
-    axis, agreement = mirror.lateral_axis(evidence.positions, evidence.by_name)
+    said = mirror.lateral(evidence.positions, evidence.by_name, evidence.tree)
     trials = [placement.rotation[:, i] for i in range(3)] + [WORLD_AXES[k] for k in ("+X", "+Y", "+Z")]
     if up is not None:
         # What the user says of the up axis counts more than all that is seen.
         trials = [t for t in trials if abs(float(t @ up)) < LEANING]
-    if agreement > 0.8 and (up is None or abs(float(axis @ up)) < LEANING):
-        # Names know the direction to within a few degrees; the axes of the object are exact.
-        nearest = max(trials, key=lambda t: abs(float(t @ axis)))
-        return nearest if abs(float(nearest @ axis)) > 0.98 else axis
+    if said.agreement > AGREEING and (up is None or abs(float(said.axis @ up)) < LEANING):
+        # Names know the direction to within a few degrees; the axes of the object are exact, and a bent rest that has
+        # turned its hips still faces along one.
+        nearest = max(trials, key=lambda t: abs(float(t @ said.axis)))
+        near = NEAR_AXIS if said.symmetry > SYMMETRIC else TURNED
+        return nearest if abs(float(nearest @ said.axis)) > near else said.axis
     distinct = [t for i, t in enumerate(trials) if all(abs(float(t @ u)) < 0.99 for u in trials[:i])]
     return max(distinct, key=lambda t: _symmetry(evidence, t))
 
@@ -151,7 +172,7 @@ def side_votes(sight: Sight) -> SideVotes:
     """
     body = sight.body
     apart = _named_sides(body)
-    names = 3.0 * float(np.mean(apart)) if apart else 0.0
+    names = 3.0 * float(np.mean(apart)) if len(apart) else 0.0
     if sight.trust < 1.0:
         return SideVotes(names, 0.0)
     # In the trial frame forward is -Y when +X is left.
@@ -159,11 +180,18 @@ def side_votes(sight: Sight) -> SideVotes:
     return SideVotes(names, front + 0.5 * float(np.sign(_world_forward(body))))
 
 
-def _named_sides(body: Body) -> list[int]:
-    """Return for each pair that is named and lies apart the side that the name of its +X bone says."""
+def _named_sides(body: Body) -> Array:
+    """Return for each pair that is named and lies apart the side that the name of its +X bone says.
+
+    Where those that start at the trunk all say the same, they speak for the others: arms may be crossed.
+    """
     evidence = body.evidence
     named = [(int(a), int(b)) for a, b in body.pairs if evidence.by_name[a] == b]
-    return [evidence.readings[a].side for a, b in named if body.points[a, 0] - body.points[b, 0] > 1e-4]
+    named = [(a, b) for a, b in named if body.points[a, 0] - body.points[b, 0] > 1e-4]
+    left, right = np.array(named, dtype=np.intp).reshape(-1, 2).T
+    sides = np.array([evidence.readings[a].side for a, _ in named], dtype=np.float64)
+    first = sides[mirror.of_trunk(left, right, evidence.tree)]
+    return first if len(first) >= 2 and abs(first.mean()) == 1.0 else sides
 
 
 def _sides_mixed(body: Body) -> bool:
