@@ -8,6 +8,7 @@ import numpy as np
 from morph_retarget.core import play, quat
 from morph_retarget.core.arrays import Array, Flags, Indices
 from morph_retarget.core.layering import Layer
+from morph_retarget.core.locomotion import getting_about
 from morph_retarget.core.locomotion.course import Course
 from morph_retarget.core.locomotion.moving import UP
 from morph_retarget.core.locomotion.patterns import styles
@@ -20,6 +21,7 @@ from morph_retarget.core.morph.bind import GeneralizedAction, bind
 from morph_retarget.core.morph.channels import Values
 from morph_retarget.core.play import Played
 from morph_retarget.core.skeleton import Pose
+from morph_retarget.core.solve.settings import DEFAULT as SOLVER
 from morph_retarget.core.verdicts.played import rebuilt
 from tests.gait_courses import Trial
 from tests.goal_sets import Subject
@@ -128,7 +130,7 @@ def prepared(subject: Subject, trial: Trial, settings: GaitSettings = DEFAULT) -
 
 def _played(subject: Subject, made: Gait, course: Course, times: Array) -> Played:
     binding = bind(GeneralizedAction("Nothing", ()), subject.bodies)
-    part = play.prepare(subject.character, binding, lower=made.wanted)
+    part = play.prepare(subject.character, binding, getting_about.tuned(SOLVER, made), lower=made.wanted)
     places, headings = course.at(times)
     layer = Layer(made.evaluate(times), places, quat.from_axis_angle(UP, headings))
     count = len(times)

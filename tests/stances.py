@@ -87,7 +87,15 @@ def stand(
             if unrest is not None:
                 own = own * unrest.uniform(0.7, 1.15) + unrest.normal(0.0, 6.0, 3)
             turns[skeleton.index[names(joint)]] = own
-    return turned(skeleton, turns, facing)
+    return _grounded(turned(skeleton, turns, facing), skeleton)
+
+
+def _grounded(stood: Skeleton, before: Skeleton) -> Skeleton:
+    """Return a stance that is moved down until its lowest joint is as high as before; a bone on the ground stays."""
+    body = before.rest_positions[:, 2] > 0.0
+    lowest, wanted = (own.rest_positions[body, 2].min() for own in (stood, before))
+    down = np.where(body, lowest - wanted, 0.0)[:, None] * np.array([0.0, 0.0, 1.0])
+    return replace(stood, rest_positions=stood.rest_positions - down, rest_tails=stood.rest_tails - down)
 
 
 def turned(skeleton: Skeleton, turns: Mapping[int, Array], facing: float = 0.0) -> Skeleton:

@@ -7,6 +7,7 @@ import bpy
 
 from ...core import play
 from ...core.character.character import Character
+from ...core.locomotion import getting_about
 from ...core.locomotion.moving import Moving
 from ...core.morph.bind import Binding, GeneralizedAction
 from ...core.morph.bodies import Bodies
@@ -78,7 +79,8 @@ class Member:
 
     def _part(self, binding: Binding) -> Part:
         lower = () if self.gait is None else self.gait.wanted
-        return play.prepare(self.character, binding, self.solver, self.limits, self.fixed, lower)
+        solver = self.solver if self.gait is None else getting_about.tuned(self.solver, self.gait)
+        return play.prepare(self.character, binding, solver, self.limits, self.fixed, lower)
 
     @cached_property
     def follows_controls(self) -> bool:

@@ -30,6 +30,7 @@ from ..morph.bind import Binding, GeneralizedAction, bind
 from ..morph.bodies import Bodies
 from ..morph.channels import Values
 from ..play import Part
+from ..solve.settings import DEFAULT, SolverSettings
 from .takes import Take, layer_of, values_of
 
 STILL = from_speed(np.array([0.0, 1.0]), np.zeros(2), np.zeros(2))
@@ -85,9 +86,10 @@ def performed(model: CharacterModel, takes: Sequence[Take], binding: Binding | N
     if not takes:
         return []
     action = binding or bind(NOTHING, Bodies.of(model.character))
-    wanted = takes[0].moving.wanted
+    moving = takes[0].moving
+    wanted = moving.wanted
     assert all(take.moving.wanted == wanted for take in takes), "takes of one batch move alike"
-    part = _prepared(model, action, wanted)
+    part = _prepared(model, action, wanted, getting_about.tuned(DEFAULT, moving))
     values = values_of(takes, len(action.action.channels))
     layer = _yielding(action, values, layer_of(model.character, takes))
     pose = keyed.played(model.character.skeleton, play.evaluate(part, values, {}, layer))
@@ -117,11 +119,11 @@ def bare(model: CharacterModel, binding: Binding, values: Values) -> Frames:
     return posing.frames_of(model, pose, Travel.still(len(values)), np.zeros((len(values), len(model.feet))))
 
 
-def _prepared(model: CharacterModel, binding: Binding, lower: Wanted) -> Part:
+def _prepared(model: CharacterModel, binding: Binding, lower: Wanted, settings: SolverSettings = DEFAULT) -> Part:
     """Return how an action plays that may be bound to bodies in another stance than they rest in."""
     rest = model.character.local_to_character.points(model.character.skeleton.rest_positions)
     resting = replace(binding, bodies=replace(binding.bodies, positions=rest))
-    return replace(play.prepare(model.character, resting, lower=lower), binding=binding)
+    return replace(play.prepare(model.character, resting, settings, lower=lower), binding=binding)
 
 
 def _yielding(binding: Binding, values: Values, lower: Layer) -> Layer:

@@ -2,12 +2,14 @@
 
 from ..character.character import Character
 from ..ground import Ground
+from ..solve.settings import SolverSettings
 from .course import Course
 from .footless import crawling
 from .footless.crawling import Movement
 from .moving import Moving
 from .settings import GaitSettings
-from .stepping import gait
+from .stepping import gait, posture
+from .stepping.gait import Gait
 
 
 def prepare(
@@ -35,3 +37,13 @@ def prepare(
     if movement is None and character.legs:
         return gait.prepare(character, root, course, settings, ground)
     return crawling.prepare(character, root, course, settings, ground, movement)
+
+
+def tuned(settings: SolverSettings, moving: Moving) -> SolverSettings:
+    """Return settings of the solver with which a body goes as it is meant to: knees turn with their feet.
+
+    Args:
+        settings: Of the character.
+        moving: How it goes.
+    """
+    return settings.swivelled(posture.swivels(moving.character, moving.legs)) if isinstance(moving, Gait) else settings

@@ -1,7 +1,7 @@
 """What tunes the particle IK solver; the values are those of Hecker 2008 §4.3 wherever it tells them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 
 from .limb_settings import LimbSettings
 
@@ -58,6 +58,17 @@ class SolverSettings(LimbSettings):
     def of_limb(self, name: str) -> LimbSettings:
         """Return the settings of a limb, by the name of the bone at its end."""
         return self.limbs.get(name, self)
+
+    def swivelled(self, angles: Mapping[str, float]) -> "SolverSettings":
+        """Return settings with which some limbs swivel further.
+
+        Args:
+            angles: By how much [degrees], by the names of the bones at their ends.
+        """
+        shared = {own.name: getattr(self, own.name) for own in fields(LimbSettings)}
+        limbs = {name: self.limbs.get(name, LimbSettings(**shared)) for name in angles}
+        more = {name: replace(own, swivel=own.swivel + angles[name]) for name, own in limbs.items()}
+        return replace(self, limbs={**self.limbs, **more}) if angles else self
 
 
 DEFAULT = SolverSettings()

@@ -20,11 +20,11 @@ from ...errors import MotionError, RigError
 from ...ground import Ground
 from ...solve.goals import Goals
 from ..course import Course
-from ..moving import LEFT, carried_by, eased
+from ..moving import LEFT, UP, carried_by, eased
 from ..patterns import styles
 from ..patterns.pattern import pattern
 from ..settings import GaitSettings
-from . import arms, contacts, feet, legs, pace, plants, releasing, trunk
+from . import arms, contacts, feet, legs, pace, plants, posture, releasing, trunk
 from .arms import Arm
 from .contacts import Contacts
 from .feet import Rolls, Steps
@@ -106,10 +106,10 @@ def prepare(
         MotionError: The settings' stride leads nowhere, or its legs would step too often to be told.
     """
     settings.check()
-    found = legs.find(character)
+    found, raised = posture.upright(character, legs.find(character))
     if not found.legs:
         raise RigError("it has no legs to walk on: map its feet, or choose a movement without feet")
-    rest = character.local_to_character.points(character.skeleton.rest_positions)
+    rest = character.local_to_character.points(character.skeleton.rest_positions) + raised * UP
     root = carrier_of(character, root, found)
     sizes = Sizes.of(found.legs, settings.width)
     drive = Drive.of(course, found.groups[0].height)
@@ -262,11 +262,13 @@ def evaluate(gait: Gait, times: Array, carried: Array | None = None) -> Goals:
     turns = np.empty((len(times), len(gait.wanted), 4))
     count, first = len(gait.legs.legs), len(gait.trunk.bodies)
     positions[:, 0], positions[:, first : first + count] = body.root, moved.places
-    turns[:, :first], turns[:, first : first + count] = body.turns, moved.turns
+    to_walk = quat.from_axis_angle(UP, np.array([leg.turn for leg in gait.legs.legs]))
+    turns[:, :first], turns[:, first : first + count] = body.turns, quat.multiply(moved.turns, to_walk)
     row = first + count
     for i, leg in enumerate(gait.legs.legs):
         if leg.ball != NONE:
-            turns[:, row] = quat.multiply(moved.flat[:, i], quat.from_axis_angle(LEFT, moved.toes[:, i]))
+            toes = quat.multiply(moved.flat[:, i], quat.from_axis_angle(LEFT, moved.toes[:, i]))
+            turns[:, row] = quat.multiply(toes, to_walk[i])
             row += 1
     for arm in gait.arms:
         made = arms.swung(arm, body.turns[:, arm.carrier], body.reach, swing, speed)

@@ -76,6 +76,8 @@ class Leg:
     loose: bool
     """Whether a bone of the path does not hang on the one before it, as in rigs whose inverse kinematics was baked: the
     leg's own turns do not move the foot."""
+    turn: float = 0.0
+    """Of the foot about the vertical, from how it rests to how it stands to walk [rad]; see `posture`."""
 
     @property
     def sole(self) -> float:
@@ -121,7 +123,7 @@ def find(character: Character) -> Legs:
     """Return the legs of a character and their groups; none of both for one without feet."""
     rig = _Rig(character)
     legs = tuple(_leg(rig, limb) for limb in character.legs)
-    return Legs(legs, _groups(legs))
+    return Legs(legs, grouped(legs))
 
 
 # --- legs ---
@@ -282,7 +284,7 @@ def _ground(rig: _Rig, foot: int, points: Array, size: float) -> Array:
 # --- groups ---
 
 
-def _groups(legs: Sequence[Leg]) -> tuple[LegGroup, ...]:
+def grouped(legs: Sequence[Leg]) -> tuple[LegGroup, ...]:
     """Return rows of legs, gathered by their heights; the legs of a row are never parted."""
 
     def height_of(rows: Sequence[int]) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ... import quat
 from ...arrays import Array, Flags
+from ..moving import UP
 from .legs import Leg
 
 PAW, SOLE = 0.1, 0.2
@@ -28,9 +29,9 @@ class Sizes:
     homes: Array
     """Where the feet's joints are at rest [m], shape (leg, 3)."""
     heels: Array
-    """From the joint to the heel, shape (leg, 3)."""
+    """From the joint to the heel, of feet turned to walk, shape (leg, 3)."""
     tips: Array
-    """From the joint to where the foot rolls off, shape (leg, 3)."""
+    """From the joint to where the foot rolls off, likewise, shape (leg, 3)."""
     hips: Array
     """Where the legs begin at rest [m], shape (leg, 3)."""
     long: Flags
@@ -57,7 +58,9 @@ class Sizes:
     def of(cls, legs: Sequence[Leg], width: float) -> "Sizes":
         """Return those of legs that are put ``width`` times as far to the side as they rest."""
         homes = np.array([leg.home for leg in legs]) * np.array([width, 1.0, 1.0])
-        heels, tips = np.array([leg.heel for leg in legs]), np.array([leg.tip for leg in legs])
+        turns = quat.from_axis_angle(UP, np.array([leg.turn for leg in legs]))
+        heels = quat.rotate(turns, np.array([leg.heel for leg in legs]))
+        tips = quat.rotate(turns, np.array([leg.tip for leg in legs]))
         lengths, hips = np.array([leg.length for leg in legs]), np.array([leg.hip for leg in legs])
         soles = quat.length((tips - heels)[:, :2])
         long = (-tips[:, 2] > LONG * (lengths - tips[:, 2])) & (soles < PAW * lengths)
