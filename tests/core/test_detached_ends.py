@@ -407,7 +407,8 @@ def test_an_arm_whose_halves_hang_on_one_control_makes_no_ring() -> None:
     bones = [Bone(name, above, at, at) for name, above, at in zip(names, parents, places, strict=True)]
     skeleton = skeleton_of(bones)
     arm = Limb(LimbKind.ARM, 1, 0, (skeleton.index["arm"], skeleton.index["forearm"]))
-    own = detached.carried(replace(_figure(), skeleton=skeleton, limbs=(arm,)), skeleton.index["hips"])
+    body = replace(_figure(), skeleton=skeleton, limbs=(arm,), spine=(skeleton.index["hips"],), neck=(), head=None)
+    own = detached.carried(body, skeleton.index["hips"])
     assert sorted(own.order) == list(range(len(bones)))
     assert own.path(skeleton.index["arm"], skeleton.index["forearm"]) == [
         skeleton.index[n] for n in ("arm", "grip", "forearm")

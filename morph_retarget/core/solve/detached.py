@@ -2,7 +2,7 @@
 
 Such a body is solved as if its limb carried it, so it has all that other feet and hands have. What is special is how
 it is written: moved as well as turned, since what it really hangs on does not bring it there. The same goes for thighs
-that hang beside the hips, on what carries these.
+that hang beside the hips, on what carries these, and for the half of a body whose other half is a tree of its own.
 """
 
 from collections.abc import Collection
@@ -26,7 +26,8 @@ def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tre
         root: The body that carries all others; it stays where it hangs, and so do those above it.
         fixed: Bodies whose joints cannot move off where their parents hold them.
     """
-    out = tree = character.skeleton.tree
+    tree = character.skeleton.tree
+    out = _with_halves(character, tree, root, fixed)
     bones = {bone for limb in character.limbs for bone in limb.bones}
     stays = {root, *tree.ancestors[root], *fixed}
     for limb in character.limbs:
@@ -42,6 +43,21 @@ def carried(character: Character, root: int, fixed: Collection[int] = ()) -> Tre
                 parents[bone if stays & {*line[: line.index(top) + 1]} else top] = above
                 out = Tree(parents)
     return _with_legs(character, out, root, stays)
+
+
+def _with_halves(character: Character, tree: Tree, root: int, fixed: Collection[int]) -> Tree:
+    """Return the tree with what has other bones of the middle hung on those before them, all of it with the root."""
+    middle = [*character.spine, *character.neck, *([] if character.head is None else [character.head])]
+    before = root
+    for body in middle:
+        line = [body, *tree.ancestors[body]]
+        if root in line or body in tree.ancestors[root]:
+            before = body if root in line else before
+        elif tree.parents[line[-1]] < 0 and line[-1] not in {*tree.ancestors[root], *fixed}:
+            parents = tree.parents.copy()
+            parents[line[-1]] = before
+            tree, before = Tree(parents), body
+    return tree
 
 
 def _with_legs(character: Character, tree: Tree, root: int, stays: Collection[int]) -> Tree:

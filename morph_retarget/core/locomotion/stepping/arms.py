@@ -8,6 +8,7 @@ import numpy as np
 from ... import quat
 from ...arrays import Array
 from ...character.character import Character
+from ...solve import detached
 from ..moving import LEFT, eased
 from .legs import Leg
 from .trunk import Trunk
@@ -50,7 +51,7 @@ def find(character: Character, rest: Array, trunk: Trunk, legs: Sequence[Leg]) -
     out: list[Arm] = []
     if not character.humanoid:
         return out
-    ancestors = character.skeleton.tree.ancestors
+    ancestors = detached.carried(character, trunk.bodies[0]).ancestors
     for name, side in (("left", 1), ("right", -1)):
         upper, lower, hand = (character.bone(name + part) for part in ("UpperArm", "LowerArm", "Hand"))
         beside = [i for i, leg in enumerate(legs) if leg.side == side]

@@ -18,6 +18,7 @@ from ...arrays import Array, Flags
 from ...character.character import Character
 from ...errors import MotionError, RigError
 from ...ground import Ground
+from ...solve import detached
 from ...solve.goals import Goals
 from ..course import Course
 from ..moving import LEFT, UP, carried_by, eased
@@ -153,7 +154,7 @@ def prepare(
 
 def carrier_of(character: Character, root: int, found: Legs) -> int:
     """Return the nearest body, from the root upward, that carries all legs, and the trunk if one does."""
-    ancestors = character.skeleton.tree.ancestors
+    ancestors = detached.carried(character, root).ancestors
     firsts = [leg.path[0] for leg in found.legs]
     most = character.carrier(root)
     above = (most, *ancestors[most])

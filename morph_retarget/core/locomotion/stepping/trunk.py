@@ -14,6 +14,7 @@ import numpy as np
 from ... import quat
 from ...arrays import Array, Indices
 from ...character.character import Character
+from ...solve import detached
 from ..moving import UP
 from .feet import Feet
 from .legs import FORWARD, Leg
@@ -76,7 +77,7 @@ def find(character: Character, rest: Array, root: int, legs: Sequence[Leg], size
         legs: Of the character.
         sizes: Of its feet.
     """
-    tree = character.skeleton.tree
+    tree = detached.carried(character, root)
     neck = [*character.neck, *([] if character.head is None else [character.head])]
     line = [b for b in dict.fromkeys([*character.spine, *neck]) if b != root and tree.is_below(root, b)]
     bodies = [root, *sorted(line, key=lambda b: len(tree.ancestors[b]))]
