@@ -23,12 +23,15 @@ NEAR = 0.03
 """Bones of the two halves are where those of the whole body are, to this share of its height."""
 
 
-@cache
-def _hound(apart: str | None = None) -> Character:
+def _bones(apart: str | None) -> list[Bone]:
     """Return the hound without the bone on its ground, one of its bones a root."""
     bones = [Bone(b.name, b.parent, b.head, b.tail) for b in CREATURES["hound"]() if b.name != "Root"]
-    bones = [replace(b, parent=None) if b.name in (apart, "Hips") else b for b in bones]
-    return analyze(skeleton_of(bones, np.random.default_rng(3)))
+    return [replace(b, parent=None) if b.name in (apart, "Hips") else b for b in bones]
+
+
+@cache
+def _hound(apart: str | None = None) -> Character:
+    return analyze(skeleton_of(_bones(apart), np.random.default_rng(3)))
 
 
 @pytest.mark.parametrize("apart", ["Spine", "Spine.001", "Chest"])
@@ -83,3 +86,10 @@ def _walk_alike(whole: Character, halves: Character) -> None:
     order = [halves.skeleton.index[name] for name in whole.skeleton.names]
     assert np.allclose(apart.places[:, order], walked.places, atol=1e-9)
     assert np.allclose(np.abs((apart.turns[:, order] * walked.turns).sum(axis=-1)), 1.0)
+
+
+@pytest.mark.parametrize("apart", [None, "Spine", "Chest"])
+def test_paws_of_both_halves_end_their_legs_though_they_hang_on_nothing(apart: str | None) -> None:
+    bones = [replace(b, parent=None) if "Paw" in b.name else b for b in _bones(apart)]
+    body = analyze(skeleton_of(bones, np.random.default_rng(3)))
+    assert {body.skeleton.names[leg.end] for leg in body.legs} == {b.name for b in bones if "Paw" in b.name}

@@ -50,6 +50,9 @@ def mend(
     """
     parents = _past_mechanism(skeleton, readings)
     body = _largest(skeleton, readings)
+    for half, carrier in _halves(skeleton, parents, positions, tails, readings):
+        parents[half] = carrier
+        body |= _tree_of(skeleton, half) | _tree_of(skeleton, carrier)
     lengths = np.linalg.norm(positions - positions[parents], axis=-1) * (parents >= 0)
     extent = max(float(np.ptp(positions, axis=0).max()), 1e-9)
     depth = np.array([len(skeleton.tree.ancestors[b]) for b in range(len(skeleton))])
@@ -78,8 +81,6 @@ def mend(
                 break
     for paw, end in _paws(parents, positions, readings, body, [e for e in ends if e in body]):
         parents[paw] = end
-    for root, carrier in _halves(skeleton, parents, positions, tails, readings):
-        parents[root] = carrier
     return parents
 
 
@@ -95,6 +96,12 @@ def _largest(skeleton: Skeleton, readings: Sequence[Reading]) -> frozenset[int]:
     return frozenset(max(trees, key=lambda tree: sum(not joint_names.is_thing(readings[b]) for b in tree)))
 
 
+def _tree_of(skeleton: Skeleton, bone: int) -> frozenset[int]:
+    """Return all bones of the tree that a bone is part of."""
+    root = [bone, *skeleton.tree.ancestors[bone]][-1]
+    return frozenset((root, *skeleton.tree.below(root)))
+
+
 def _paws(
     parents: Indices, positions: Array, readings: Sequence[Reading], body: frozenset[int], ends: Sequence[int]
 ) -> list[tuple[int, int]]:
@@ -107,7 +114,7 @@ def _paws(
         parents: Of all bones, as far as they are mended, shape (bone,).
         positions: Bone heads in the world [m], shape (bone, 3).
         readings: What the names say.
-        body: Bones of the body's tree.
+        body: Bones of the body's tree, or of those of its halves.
         ends: Those with which its branches end.
     """
     solid = [b for b in sorted(body) if parents[b] >= 0 and not joint_names.is_thing(readings[b])]
