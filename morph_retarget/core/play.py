@@ -23,6 +23,7 @@ from .morph.bodies import Bodies
 from .morph.channels import Values
 from .morph.specialize import Deforms
 from .solve import ground_phase, posing
+from .solve.footing import Footing
 from .solve.goals import Goals
 from .solve.ground_phase import Lifting
 from .solve.hierarchy import Hierarchy
@@ -42,6 +43,8 @@ class Part:
     """The channels that have to be played before this one's targets are known, None when none have to."""
     lifting: Lifting | None = None
     """What is turned up where it would be below the ground, None when nothing is."""
+    footing: Footing | None = None
+    """What keeps the root as low as feet need it, None when nothing does: a gait sees to that itself."""
 
     @property
     def bodies(self) -> Bodies:
@@ -161,10 +164,11 @@ def prepare(
     both = tuple(layering.wanted(goals, lower))
     root = lower[0][0] if lower else root_of(bodies)
     pose = _planned(character, bodies.positions.tobytes(), root, both, settings, limits, frozenset(fixed))
-    lifting = None
+    hierarchy, lifting = Hierarchy(character, bodies.positions, root, frozenset(fixed)), None
     if settings.keeps_above_ground and not lower:
-        lifting = Lifting.of(Hierarchy(character, bodies.positions, root, frozenset(fixed)), pose)
-    return Part(character, binding, pose, first, lifting)
+        lifting = Lifting.of(hierarchy, pose)
+    footing = None if lower else Footing.of(hierarchy, both, settings)
+    return Part(character, binding, pose, first, lifting, footing)
 
 
 @lru_cache(maxsize=32)
@@ -202,6 +206,8 @@ def evaluate(part: Part, values: Values, external: Mapping[int, Array], lower: L
     seen = external if lower is None else lower.seen(external)
     followed = _followed(part, values, seen)
     goals = _goals(part, values, seen, followed, lower)
+    if part.footing is not None:
+        goals = part.footing.kept(goals)
     pose = posing.solve(part.pose, goals)
     if part.lifting is not None:
         pose = ground_phase.lifted(part.lifting, pose)
