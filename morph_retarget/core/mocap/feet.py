@@ -282,7 +282,8 @@ def flatten(
             sole = _sole(source_turns[flat, link], up, rest_is_pose)
             if rest_is_pose:
                 # Both feet point forward at rest, so turning out and in follows from the rests as well.
-                out[:, link] = quat.multiply(source_turns[:, link], quat.between(up, sole))
+                flattened = quat.multiply(source_turns[:, link], quat.between(up, sole))
+                out[:, link] = quat.multiply(flattened, np.array(leg.turn))
                 continue
             mend = quat.between(up, quat.rotate(quat.conjugate(post[link]), sole))
             if quat.angle_between(mend, quat.IDENTITY) < MOST_FLATTENING:

@@ -10,21 +10,15 @@ from itertools import pairwise
 
 import numpy as np
 
-from .. import quat
 from ..arrays import Array, Flags, Indices
 from ..character.character import Character
 from ..character.joints import FINGER_JOINTS, PARENTS, SIDES
 from ..character.morphology import Limb, LimbKind
 from ..errors import MappingError
-from . import further
+from . import further, rests
+from .rests import KNEE, UNTURNED, Direction, Turn
 
 NONE = -1
-Direction = tuple[float, float, float]
-KNEE: Direction = (0.0, -1.0, 0.0)
-ELBOW: Direction = (0.0, 1.0, 0.0)
-"""Where the middle joints of people's legs and arms point, character frame."""
-BENT = 0.02
-"""A leg whose middle joint lies this far off its line at rest shows which way it bends, in shares of the line."""
 
 _ARM = ("Shoulder", "UpperArm", "LowerArm", "Hand")
 _LEG = ("UpperLeg", "LowerLeg", "Foot", "Toes")
@@ -45,6 +39,8 @@ class LimbLinks:
     """Link of the toes, NONE without one."""
     pole: Direction = KNEE
     """Where the middle joint points at rest, character frame: knees forward, elbows back."""
+    turn: Turn = UNTURNED
+    """Of the foot, from the target's rest to how it stands on one who stands as the source rests; see `rests.foot`."""
 
     @property
     def end(self) -> int:
@@ -156,28 +152,30 @@ class _Builder:
             np.array([self._is_curved(e) for e in entries], dtype=bool),
             tuple(self._twists(e) for e in entries),
             tuple(
-                LimbLinks(n, tuple(place[j] for j in chain), place[ball], self._knee(chain))
+                LimbLinks(
+                    n,
+                    tuple(place[j] for j in chain),
+                    place[ball],
+                    rests.knee(self.target, self._bones(chain)),
+                    self._turn(chain[-1], ball),
+                )
                 for n, chain, ball in self.legs
             ),
-            tuple(LimbLinks(n, tuple(place[j] for j in chain), pole=ELBOW) for n, chain, _ in self.arms),
+            tuple(
+                LimbLinks(n, tuple(place[j] for j in chain), pole=rests.elbow(self.target, self._bones(chain)))
+                for n, chain, _ in self.arms
+            ),
         )
 
-    def _knee(self, chain: Sequence[str]) -> Direction:
-        """Return where the first bend of a leg points at rest: forward on people, as it is built on animals.
+    def _bones(self, chain: Sequence[str]) -> list[int]:
+        return [self.entries[name].target for name in chain]
 
-        An animal's leg that is straight at rest is taken for an arm when it is a front leg.
-        """
-        if self.target.humanoid or len(chain) < 3:
-            return KNEE
-        bones = [self.entries[name].target for name in chain[:3]]
-        top, middle, bottom = self.target.local_to_character.points(self.target.skeleton.rest_positions[bones])
-        line = quat.unit(bottom - top)
-        off = middle - top - ((middle - top) @ line) * line
-        if quat.length(off) < BENT * quat.length(bottom - top):
-            rows = [leg.row for leg in self.target.legs if bones[0] in leg.bones]
-            return ELBOW if rows == [0] and self.target.legs[-1].row > 0 else KNEE
-        x, y, z = (float(v) for v in quat.unit(off))
-        return x, y, z
+    def _turn(self, foot: str, ball: str | None) -> Turn:
+        if ball is None or not (self.source.humanoid and self.target.humanoid):
+            return UNTURNED
+        own = [(entry.target, entry.source[0]) for entry in (self.entries[foot], self.entries[ball])]
+        (ankle, their_ankle), (toes, their_toes) = own
+        return rests.foot(self.source, self.target, (ankle, toes), (their_ankle, their_toes))
 
     def _is_curved(self, entry: _Entry) -> bool:
         if entry.after is None:
