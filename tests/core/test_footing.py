@@ -1,5 +1,7 @@
 """Hips that sway over feet that stand: they come down for legs that would not reach, and for nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,16 @@ def test_hips_that_rest_or_rise_are_left_alone(stance: str) -> None:
     for ways in (np.zeros((3, 3)), up, -0.2 * up):
         goals = body.goals(ways)
         assert np.allclose(body.footing.kept(goals).positions, goals.positions, atol=1e-9)
+
+
+def test_hips_come_down_as_far_as_is_asked_for() -> None:
+    body = _Body("wide")
+    hierarchy, goals = Hierarchy(body.character, body.rest, body.root), body.goals(_aside())
+    whole = body.footing.kept(goals).positions - goals.positions
+    half = Footing.of(hierarchy, body.wanted, replace(DEFAULT, footing=0.5))
+    assert half is not None
+    assert np.allclose(half.kept(goals).positions - goals.positions, 0.5 * whole)
+    assert Footing.of(hierarchy, body.wanted, replace(DEFAULT, footing=0.0)) is None
 
 
 def test_feet_that_are_lifted_or_count_for_nothing_hold_no_hips() -> None:

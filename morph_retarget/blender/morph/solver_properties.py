@@ -142,6 +142,11 @@ class MORPHRETARGET_PG_solver(_Tuned, bpy.types.PropertyGroup):
         "Most that limbs which hang on the root and cannot reach their goals move it, as a share of their length",
         DEFAULT.nudge,
     )
+    footing: _share(
+        "Lower Hips",
+        "How far hips that sway aside come down, so that feet which stand do not slide",
+        DEFAULT.footing,
+    )
     margin: _share(
         "Clearance",
         "By how much further than touching limbs keep apart, as a share of their thickness. Needs Avoid Self-Collision",
@@ -166,6 +171,7 @@ class MORPHRETARGET_PG_solver(_Tuned, bpy.types.PropertyGroup):
             spine_shrink=round(self.spine_shrink, 6),
             refinements=self.refinements,
             nudge=round(self.nudge, 6),
+            footing=round(self.footing, 6),
             margin=round(self.margin, 6),
             most_swivel=round(degrees(self.most_swivel), 4),
             limbs={item.name: item.settings() for item in self.limbs if item.name in bones},

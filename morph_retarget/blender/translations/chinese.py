@@ -211,6 +211,7 @@ MESSAGES: dict[str, str] = {
     "Locomotion and Directing": "行进与指挥",
     "Look At": "注视",
     "Loop": "循环",
+    "Lower Hips": "降低髋部",
     "Lumber": "蹒跚",
     "Make Active": "设为活动项",
     "Markers to Commands": "标记转为指令",

@@ -211,6 +211,7 @@ MESSAGES: dict[str, str] = {
     "Locomotion and Directing": "ロコモーションと演出",
     "Look At": "注視",
     "Loop": "ループ",
+    "Lower Hips": "腰を下げる",
     "Lumber": "のしのし歩き",
     "Make Active": "アクティブにする",
     "Markers to Commands": "マーカーをコマンドへ",

@@ -15,7 +15,7 @@ from .tab import InTab, split_layout
 SWITCHES = ("bends_spine", "allows_stretch", "avoids_collisions", "keeps_above_ground", "use_joint_limits")
 """Properties of a character that are shown first."""
 OF_LIMBS = ("swivel", "pull", "spine_start", "slow_down", "full_reach", "softness", "outer_iterations")
-OF_ALL = ("slow_down", "full_reach", "softness", "outer_iterations", "nudge")
+OF_ALL = ("slow_down", "full_reach", "softness", "outer_iterations", "nudge", "footing")
 FOR_SPINE = ("pull", "spine_start", "twist", "anti_buckling", "spine_shrink", "refinements")
 FOR_COLLISIONS = ("margin", "most_swivel")
 

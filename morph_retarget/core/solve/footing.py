@@ -42,12 +42,14 @@ class Footing:
     """Of the stretched legs [m], shape (leg,)."""
     reach: Array
     """How far feet get from where their legs start [m], shape (leg,)."""
+    share: float
+    """Of the way by which hips come down."""
 
     @classmethod
     def of(
         cls, hierarchy: Hierarchy, wanted: Sequence[tuple[int, bool, bool]], settings: SolverSettings
     ) -> "Footing | None":
-        """Return the footing of a character, None where root or feet have no places.
+        """Return the footing of a character, None where root or feet have no places, or the root is to stay.
 
         Args:
             hierarchy: The character.
@@ -57,7 +59,7 @@ class Footing:
         placed = {body: i for i, (body, place, _) in enumerate(wanted) if place}
         legs = [leg.bones for leg in hierarchy.character.legs if leg.end in placed and len(leg.bones) > 1]
         legs = [bones for bones in legs if hierarchy.root in hierarchy.ancestors[bones[0]]]
-        if hierarchy.root not in placed or not legs:
+        if settings.footing <= 0.0 or hierarchy.root not in placed or not legs:
             return None
         rest = hierarchy.rest
         starts, ends = rest[[bones[0] for bones in legs]], rest[[bones[-1] for bones in legs]]
@@ -71,6 +73,7 @@ class Footing:
             ends[:, 2],
             lengths,
             np.maximum(full * lengths, quat.length(ends - starts)),
+            settings.footing,
         )
 
     def kept(self, goals: Goals) -> Goals:
@@ -87,7 +90,7 @@ class Footing:
             return goals
         off = np.abs(places[..., 2] - self.heights) / (STANDS * self.lengths)
         counts = goals.position_influence.take(self.feet, axis=1) * np.clip(2.0 - off, 0.0, 1.0)
-        down = (lower * counts).max(axis=1)
+        down = self.share * (lower * counts).max(axis=1)
         if not down.any():
             return goals
         positions = goals.positions.copy()

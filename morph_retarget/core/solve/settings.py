@@ -35,7 +35,10 @@ class SolverSettings(LimbSettings):
     """Share of the way to the root-relative rest pose by which a buckled spine is pulled back, each iteration."""
     nudge: float = 0.0
     """Most that limbs which hang on the root and fall short of their goals move it, as a share of their length. The
-    paper lets immediate children do so slightly (§4.3.1, footnote); 0 leaves the root where the animator has put it."""
+    paper lets immediate children do so slightly (§4.3.1, footnote)."""
+    footing: float = 1.0
+    """Share of the way by which hips that sway aside come down, so that feet which stand do not slide; see `footing`.
+    With this and `nudge` at 0 the root is where the animator has put it."""
     refinements: int = 5
     """How often the spine gives way to limbs that still cannot reach their goals, after it has been reconstructed."""
     twist: float = 60.0
