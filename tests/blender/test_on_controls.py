@@ -9,6 +9,7 @@ import pytest
 from morph_retarget.blender import actions, retarget
 from morph_retarget.blender.morph import bake, cast, jiggles, perform
 from morph_retarget.blender.properties import of_rig, of_scene
+from morph_retarget.blender.retarget import Source
 from morph_retarget.core import keyed
 from morph_retarget.core.arrays import Array
 from morph_retarget.core.errors import MappingError
@@ -155,6 +156,26 @@ def test_the_legs_of_a_horse_are_baked_where_they_are_without_controls(horse_fil
     acting.baked(ob)
     own = scenes.heads(ob, [names[i] for i in legs], frames)
     assert acting.apart(own, wanted[:, legs]) < 2e-3
+
+
+def test_a_rig_of_which_only_the_skirt_copies_others_is_posed_by_its_bones(walk: Source) -> None:
+    scenes.empty()
+    ob = scenes.figure("Ann")
+    bpy.context.view_layer.objects.active = ob
+    bpy.ops.object.mode_set(mode="EDIT")
+    for i in range(12):
+        hem = ob.data.edit_bones.new(f"Skirt{i}")
+        hem.head, hem.tail, hem.parent = (0.02 * i, 0.1, 0.9), (0.02 * i, 0.1, 0.6), ob.data.edit_bones["hips"]
+    handle = ob.data.edit_bones.new("Handle")
+    handle.tail, handle.use_deform = (0.0, 0.0, 0.1), False
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for i in range(12):
+        copying = ob.pose.bones[f"Skirt{i}"].constraints.new("COPY_ROTATION")
+        copying.target, copying.subtarget = ob, ("leftUpperLeg", "rightUpperLeg")[i % 2]
+    assert "controls" not in scenes.give(walk, ob).report
+    acting.dip(ob)
+    assert np.ptp(scenes.heads(ob, ["leftHand"], FRAMES), axis=0).max() > 0.1
+    assert ob.session_uid not in cast.problems
 
 
 def test_what_follows_controls_does_not_jiggle(horse_file: Path) -> None:

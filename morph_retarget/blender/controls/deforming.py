@@ -1,6 +1,6 @@
 """What a motion is found for on a rig with controls: its deform bones, as a rig of their own."""
 
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import bpy
@@ -39,8 +39,17 @@ def body_of(target: Rig, character: Character, keep: Iterable[str] = ()) -> tupl
         if not more or dropped:
             break
         dropped = more
+    if not _follows(found, copies):
+        return None
     own = replace(target, skeleton=skeleton, pose_order=target.pose_order[rows])
     return own, replace(found, frame=frame, floor=character.floor)
+
+
+def _follows(body: Character, copies: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether most of what poses a body copies others: not skirts alone that copy legs, or twist bones."""
+    names = body.skeleton.names
+    posing = [names[bone] for chain in (body.spine, *(limb.bones for limb in body.limbs)) for bone in chain]
+    return 2 * sum(bool(copies.get(name)) for name in posing) >= len(posing)
 
 
 def _segments(ob: bpy.types.Object, found: Character) -> set[str]:
