@@ -5,11 +5,12 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
+import bpy
 import pytest
 
 from morph_retarget.blender.retarget import Source
 from morph_retarget.core.arrays import Array
-from tests.blender import command, control_rigs, scenes, window
+from tests.blender import command, control_rigs, scenes, walking, window
 from tests.blender.command import Command, Refused
 from tests.blender.files import Files
 from tests.blender.imported import Imported
@@ -27,6 +28,12 @@ def registered(_empty_file: None) -> Iterator[None]:
     """Register the extension for a test."""
     with window.registered():
         yield
+
+
+@pytest.fixture
+def walked(_empty_file: None) -> None:
+    """Let the scene last as long as `walking.WHOLE` does."""
+    bpy.context.scene.frame_end = walking.WHOLE[-1]
 
 
 @pytest.fixture

@@ -16,12 +16,7 @@ from tests.blender.walking import WHOLE
 ops = bpy.ops.morph_retarget
 NEAR = 1e-6
 
-pytestmark = pytest.mark.usefixtures("registered")
-
-
-@pytest.fixture(autouse=True)
-def _frames() -> None:
-    bpy.context.scene.frame_end = 180
+pytestmark = pytest.mark.usefixtures("registered", "walked")
 
 
 # --- the window ---
