@@ -1,7 +1,8 @@
 """How much a chain has to bend for its bones to span a distance: the one number that `closing` and others leave open.
 
-Newton's method, since the square of the distance is nearly a linear function of that number; kept between bounds that
-close in, by bisection where a step would leave them. All chains of all frames are rows of one batch.
+The square of the distance is nearly a linear function of that number over another one, which is known at 0, where the
+chain is straight: each step takes the one that has the same value and slope where it stands. Numbers are kept between
+bounds that close in, by bisection where a step would leave them. All chains of all frames are rows of one batch.
 """
 
 from collections.abc import Callable
@@ -49,8 +50,8 @@ def number(bend: Bend, most: Array, distance: Array) -> Array:
         most: Largest number, shape (row,).
         distance: Between start and end of each chain [m], shape (row,).
     """
-    full = bend.lengths.sum(axis=-1)
-    square, close_enough = np.minimum(distance, full) ** 2, EXACT * full * full
+    straight = bend.lengths.sum(axis=-1) ** 2
+    square, close_enough = np.minimum(distance * distance, straight), EXACT * straight
     out = np.minimum(most, 1.0)
     rows, found, low, high = np.arange(len(out)), out, np.zeros_like(out), most
     for _ in range(STEPS):
@@ -64,7 +65,8 @@ def number(bend: Bend, most: Array, distance: Array) -> Array:
         # Behind its shortest a chain gets longer again: there is no way there.
         too_long = (excess > 0.0) & (slope < 0.0)
         low, high = np.where(too_long, found, low), np.where(too_long, high, found)
-        step = np.maximum(found - excess / np.minimum(slope, -TINY), 0.0)
+        steep, short = (straight - spanned) / np.maximum(-found * slope, TINY), straight - square
+        step = found * short / np.maximum(short - steep * excess, TINY)
         inside = (step >= low) & (step <= high)
         found = np.where(open_, np.where(inside, step, 0.5 * (low + high)), found)
         if len(rows) > FEW and 2 * np.count_nonzero(open_) < len(rows):
@@ -72,5 +74,6 @@ def number(bend: Bend, most: Array, distance: Array) -> Array:
             out[rows] = found
             rows, found, low, high = rows[open_], found[open_], low[open_], high[open_]
             bend, square, close_enough = bend.at(open_), square[open_], close_enough[open_]
+            straight = straight[open_]
     out[rows] = found
     return out
