@@ -15,8 +15,6 @@ from .spine import FOLD, Rest
 from .spine_lines import angles, led, steps
 from .spine_wanted import Wanted
 
-PASSES = 2
-"""How often branch points are brought within reach of each other, inward and outward."""
 BOW = 1.0
 """How much a piece bows, as the square root of the share by which it is shorter, for a way of all of its length."""
 SLOW = 0.999
@@ -34,23 +32,22 @@ def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Ar
         most: Farthest that the ends of each piece come from each other [m], shape (frame or 1, piece).
     """
     out = particles.copy()
-    count = out.shape[1]
-    for _ in range(PASSES if count > 2 else 1):
-        for node in range(count - 1, 0, -1):
-            if wanted.asked[node]:
-                wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
-            if node > 1:
-                way = _apart(out[:, node], out[:, node - 1], rest.least[:, node - 1], most[:, node - 1])
-                out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
-        _outward(rest, wanted, out, most)
+    last = out.shape[1] - 1
+    for node in range(last, 0, -1):
+        if wanted.asked[node]:
+            wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
+        if node > 1:
+            way = _apart(out[:, node], out[:, node - 1], rest.least[:, node - 1], most[:, node - 1])
+            out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
+    _outward(rest, wanted, out, most)
     _arrive(rest, wanted, out, 0, most)
-    if count > 2:
-        _outward(rest, wanted, out, most)
-    if held := rest.spine.held:  # the trunk does not leave behind what feet hold
+    held = rest.spine.held
+    if held:  # the trunk does not leave behind what feet hold
         wanted.carry(out, held, constraints.together(_held_back(rest, wanted, out, starts, held)))
         way = wanted.pins[:, -1] - out[:, held]
         most = spine_stretching.from_held(rest.spine, held, way, wanted.pinned[:, -1], most)
         _arrive(rest, wanted, out, held, most)
+    if held or last > 1:
         _outward(rest, wanted, out, most)
     return out, most
 
