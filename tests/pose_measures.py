@@ -54,10 +54,21 @@ def misses(subject: Subject, goals: Goals, places: Array) -> Array:
 def length_errors(subject: Subject, places: Array) -> Array:
     """Return by how much bones are longer or shorter than at rest over their length, shape (frame, bone).
 
-    Bones that are shorter than a thousandth of the character count as long as that. What the root hangs on is no bone.
+    Bones that are shorter than a thousandth of the character count as long as that. What the root hangs on is no bone,
+    and there is none between a limb and a foot or hand that hangs elsewhere: see `gaps`.
     """
+    no_bones = {subject.root, *subject.plan.detached}
+    return _length_errors(subject, places, [body for body in range(len(subject.bodies)) if body not in no_bones])
+
+
+def gaps(subject: Subject, places: Array) -> Array:
+    """Return how far feet and hands that hang elsewhere leave their limbs, as `length_errors`, shape (frame, body)."""
+    return _length_errors(subject, places, list(subject.plan.detached))
+
+
+def _length_errors(subject: Subject, places: Array, among: list[int]) -> Array:
     bodies, parents = subject.bodies, subject.tree.parents
-    bones = np.array([b for b in range(len(bodies)) if parents[b] >= 0 and b != subject.root], dtype=np.intp)
+    bones = np.array([body for body in among if parents[body] >= 0], dtype=np.intp)
     above = parents[bones]
     rest = quat.length(bodies.positions[bones] - bodies.positions[above])
     error = np.abs(quat.length(places[:, bones] - places[:, above]) - rest)

@@ -77,6 +77,8 @@ class Row:
     """On straight ways, on which not all can."""
     length: float = 0.0
     """Largest error of a bone's length, see `pose_measures.length_errors`."""
+    gap: float = 0.0
+    """The same of what is between a limb and a foot or hand that hangs elsewhere, see `pose_measures.gaps`."""
     turn: float = 0.0
     """Largest angle between a body and its goal [rad]."""
 
@@ -207,6 +209,7 @@ def _measured(subject: Subject, sets: Sets, paths: int) -> Row:
         taken / len(sets),
         _steps(subject, [sets.straight(*way, STEPS) for way in ways]),
         float(pose_measures.length_errors(subject, pose.positions).max(initial=0.0)),
+        float(pose_measures.gaps(subject, pose.positions).max(initial=0.0)),
         float(quat.angle_between(pose.turns[:, goals.bodies], goals.turns).max()),
     )
 
@@ -251,6 +254,7 @@ def _figures(names: Sequence[str], found: Findings) -> Iterator[Figure]:
     yield Figure(f"ik: goals met, {names[worst]} (least)", rows[worst].met, "%", 99.0, at_least=True)
     yield Figure("ik: rigs that meet fewer", sum(row.met < 99.0 for row in rows), "rigs", 0.0)
     yield Figure("ik: error of a bone's length", max(row.length for row in rows), "", 1e-5)
+    yield Figure("ik: gap to a foot that hangs elsewhere, over the bone's length", max(row.gap for row in rows), "")
     yield Figure(f"ik: turn in a 1 % step, {names[jump]} (most)", rows[jump].reachable.turns.max(), "°", WIDE)
     yield Figure("ik: the same, 99 % of steps", _most_of(np.concatenate([r.reachable.turns for r in rows])), "°")
     yield Figure("ik: turn in a step straight through, 99 % of steps", _most_of(np.concatenate(straight)), "°")

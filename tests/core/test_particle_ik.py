@@ -145,6 +145,7 @@ def test_a_goal_alone_is_met(subject: Subject) -> None:
 def _assert_lengths(subject: Subject, goals: Goals, what: str) -> None:
     pose = solved(subject, goals)
     assert pose_measures.length_errors(subject, pose.positions).max() <= 1e-5, what
+    assert pose_measures.gaps(subject, pose.positions).max(initial=0.0) <= 1e-5, what
     away = np.abs(pose.positions - pose_measures.rebuilt(subject, pose)).max()
     assert away <= NEAR * HUMAN * subject.scale + 1e-12 * np.abs(goals.positions).max(), what
 
