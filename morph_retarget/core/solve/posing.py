@@ -147,9 +147,10 @@ def _bend(state: State, trunk: Trunk) -> None:
     for i, joint in enumerate(trunk.joints):
         turned = turns[:, i]
         if wanted.counts is not None:
-            # What nothing is wanted of is carried along, as beyond the spine's end.
+            # What nothing is wanted of is carried along, as beyond the spine's end. What counts in part has been made
+            # little of as a place, so that here it may count for more.
             alone = state.wanted(joint, state.rotation(state.plan.above[joint]))
-            turned = toward(alone, turned, wanted.count_of_bone(trunk.spine, i))
+            turned = toward(alone, turned, 1.0 - (1.0 - wanted.count_of_bone(trunk.spine, i)) ** 2)
         state.turn(joint, state.held(joint, turned))
     if bent.factors is not None:
         for body, i in trunk.drawn.items():
@@ -181,9 +182,9 @@ def _wanted_of(state: State, trunk: Trunk, rest: Rest, base: Mapping[int, Array]
         held = goals.rotation_influence[:, plan.turned[trunk.last]]
     weights = counts * goals.position_influence[:, pulls]
     return spine_phase.Wanted(
-        rotation.apply(back, pins),
+        rest.drawn_near(rotation.apply(back, pins), pinned),
         pinned,
-        rest.drawn_in(rotation.apply(back, goals.positions[:, pulls] - start[:, None])),
+        rest.drawn_in(rotation.apply(back, goals.positions[:, pulls] - start[:, None]), weights),
         weights,
         held,
         _counts(trunk, pinned, weights),

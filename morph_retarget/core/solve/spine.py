@@ -241,7 +241,7 @@ class Rest:
         joints, nodes, own = self.spine.pull_joints, self.spine.pull_points, self.spine.pull_starts
         return self.points[:, joints] + rotation.apply(self.turns[:, joints], own) - self.points[:, nodes]
 
-    def drawn_in(self, goals: Array) -> Array:
+    def drawn_in(self, goals: Array, weights: Array) -> Array:
         """Return where limbs are to end that pull: nearer than their goals where these only count in part.
 
         Of the way by which a goal is too far for its limb, as much is left. Iterations alone would make up for most of
@@ -249,14 +249,25 @@ class Rest:
 
         Args:
             goals: Of the limbs [m], shape (frame, pull, 3).
+            weights: How much they count, shape (frame, pull).
         """
-        spine = self.spine
-        if (spine.counts == 1.0).all():
+        if (weights == 1.0).all():
             return goals
+        spine = self.spine
         away = goals - self.starts - self.nodes[:, [pull.node for pull in spine.pulls]]
         distance = quat.length(away)
         over = np.maximum(distance - np.array([pull.begin for pull in spine.pulls]), 0.0)
-        return goals - ((1.0 - spine.counts) * over / np.maximum(distance, TINY))[..., None] * away
+        return goals - ((1.0 - weights) * over / np.maximum(distance, TINY))[..., None] * away
+
+    def drawn_near(self, pins: Array, pinned: Array) -> Array:
+        """Return where branch points are to be: nearer to where they rest than their goals where these count in part.
+
+        Args:
+            pins: Goals of the branch points [m], shape (frame, node, 3).
+            pinned: How much they count, shape (frame, node).
+        """
+        part = np.sqrt(pinned[..., None])  # it counts again by the share that branch points go there
+        return np.where(part == 1.0, pins, self.nodes + part * (pins - self.nodes))
 
     @cached_property
     def piece_turns(self) -> Array:
