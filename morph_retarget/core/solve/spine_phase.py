@@ -14,11 +14,11 @@ import numpy as np
 
 from .. import quat, rotation
 from ..arrays import Array, Flags
-from . import constraints, spine_reach, spine_shape, spine_stretching
+from . import constraints, spine_giving, spine_reach, spine_shape, spine_stretching
 from .constraints import TINY
 from .spine import Rest
+from .spine_giving import Pulls
 from .spine_lines import angles, steps
-from .spine_pulls import PulledNode
 from .spine_shape import Bent
 from .spine_wanted import Wanted
 
@@ -34,35 +34,6 @@ EAGER = 1.8
 LEVER = 0.05
 """Share of the spine's length below which a limb's start is too near to the spine to twist it."""
 _STAYS = np.zeros((1, 3))
-
-
-@dataclass(frozen=True, eq=False)
-class _Pulls:
-    """Limbs that pull at a branch point."""
-
-    own: PulledNode
-    ends: Array
-    """Their goals, less where they start from the branch point [m], shape (frame, limb, 3)."""
-    weights: Array
-    """How much they count, shape (frame, limb)."""
-
-    @classmethod
-    def of(cls, rest: Rest, wanted: Wanted, node: int) -> "_Pulls":
-        """Return those of a branch point."""
-        own = rest.spine.pulled[node]
-        ends = wanted.goals.take(own.pulls, axis=1) - rest.starts.take(own.pulls, axis=1)
-        return cls(own, ends, wanted.weights.take(own.pulls, axis=1))
-
-    def ways(self, particle: Array) -> Array:
-        """Return how far they move the branch point [m], shape (frame, limb, 3).
-
-        Args:
-            particle: Where it is [m], shape (frame or 1, 3).
-        """
-        away = self.ends - particle[:, None]
-        distance = quat.length(away)
-        error = constraints.beyond(distance, self.own.start, self.own.full, self.own.least)
-        return (self.weights * error / np.maximum(distance, TINY))[..., None] * away
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +116,7 @@ def _stirred(rest: Rest, wanted: Wanted) -> Flags:
     for node in rest.spine.pulled:
         if out.all():
             break
-        out |= np.abs(_Pulls.of(rest, wanted, node).ways(rest.nodes[:, node])).max(axis=(1, 2)) > tiny
+        out |= np.abs(Pulls.of(rest, wanted, node).ways(rest.nodes[:, node])).max(axis=(1, 2)) > tiny
     return out
 
 
@@ -157,19 +128,19 @@ def _iterate(rest: Rest, wanted: Wanted, particles: Array) -> None:
     spine, settings = rest.spine, rest.spine.settings
     count = particles.shape[1]
     if count == 2 and not spine.pulls:  # a single branch point has nobody to come to terms with
-        particles[:, 1] += wanted.pinned[:, 1, None] * (wanted.pins[:, 1] - particles[:, 1])
+        wanted.bring(particles, 1)
         _unbuckle(rest, particles)
         return
     free = 1.0 - wanted.pinned[..., None]
     free[:, 0] = 0.0
     shares = free[:, 1:] / np.maximum(free[:, 1:] + free[:, :-1], TINY)
     width = settings.softness * rest.chords
-    pulls = {node: _Pulls.of(rest, wanted, node) for node in spine.pulled}
+    pulls = {node: Pulls.of(rest, wanted, node) for node in spine.pulled}
     for turn in range(settings.outer_iterations):
         for node in range(count - 1, 0, -1):
             own, way = particles[:, node], _STAYS
             if node in pulls:
-                way = constraints.together(pulls[node].ways(own))
+                way = spine_giving.way(rest, wanted, particles, node, pulls[node].ways(own))
             if wanted.asked[node]:
                 way = way + wanted.pinned[:, node, None] * (wanted.pins[:, node] - own - way)
             change = constraints.corrections(
@@ -253,7 +224,8 @@ def _given_way(work: _Work, short: Array, arms: Array, share: Array) -> _Work:
         turning = np.matmul(rotation.cross(lever, ways), axis.swapaxes(1, 2)).sum(axis=(1, 2))
         twist = twists[:, node] + EAGER * share * turning / ((lever * lever).sum(axis=(1, 2)) + least)
         twists[:, node] = np.minimum(np.maximum(twist, -most), most)
-        way, held = EAGER * constraints.together(ways), particles[:, node - 1]
+        held = particles[:, node - 1]
+        way = EAGER * spine_giving.way(work.rest, work.wanted, particles, node, ways)
         work.wanted.carry(particles, node, spine_reach.eased(work.rest, held, particles[:, node], way, node - 1))
     particles, stretched = spine_reach.within(work.rest, work.wanted, particles, work.starts, work.most)
     # Part of the way there is between the two, and within reach as both are.

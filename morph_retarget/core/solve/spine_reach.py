@@ -17,6 +17,8 @@ from .spine_wanted import Wanted
 
 BOW = 1.0
 """How much a piece bows, as the square root of the share by which it is shorter, for a way of all of its length."""
+PRESSED = 0.98
+"""Share of its length to which limbs alone press a piece together: it would zigzag, and they gain little by that."""
 SLOW = 0.999
 """Share of its length from which on the spine slows down toward goals that it cannot reach."""
 
@@ -31,15 +33,14 @@ def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Ar
         starts: Where limbs start, from their branch points [m], shape (frame or 1, pull, 3).
         most: Farthest that the ends of each piece come from each other [m], shape (frame or 1, piece).
     """
-    out = particles.copy()
+    out, least = particles.copy(), _least(rest, wanted)
     last = out.shape[1] - 1
     for node in range(last, 0, -1):
-        if wanted.asked[node]:
-            wanted.carry(out, node, wanted.pinned[:, node, None] * (wanted.pins[:, node] - out[:, node]))
+        wanted.bring(out, node)
         if node > 1:
-            way = _apart(out[:, node], out[:, node - 1], rest.least[:, node - 1], most[:, node - 1])
+            way = _apart(out[:, node], out[:, node - 1], least[:, node - 1], most[:, node - 1])
             out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
-    _outward(rest, wanted, out, most)
+    _outward(rest, wanted, out, least, most)
     _arrive(rest, wanted, out, 0, most)
     held = rest.spine.held
     if held:  # the trunk does not leave behind what feet hold
@@ -48,7 +49,7 @@ def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Ar
         most = spine_stretching.from_held(rest.spine, held, way, wanted.pinned[:, -1], most)
         _arrive(rest, wanted, out, held, most)
     if held or last > 1:
-        _outward(rest, wanted, out, most)
+        _outward(rest, wanted, out, least, most)
     return out, most
 
 
@@ -66,11 +67,21 @@ def eased(rest: Rest, held: Array, moved: Array, way: Array, piece: int) -> Arra
         piece: The piece between them.
     """
     full = rest.spine.pieces.full[piece]
-    before, away = quat.length(moved - held), moved + way - held
-    distance = quat.length(away)
-    bow = np.sqrt(np.maximum(1.0 - before / full, 0.0)) + BOW * np.maximum(before - distance, 0.0) / full
-    kept = np.where(distance < before, np.maximum(distance, np.minimum(before, full * (1.0 - bow * bow))), distance)
-    return held + (kept / np.maximum(distance, TINY))[:, None] * away - moved
+    own = moved - held
+    before = quat.length(own)
+    axis = own / np.maximum(before, TINY)[:, None]
+    inward = np.maximum(-quat.dot(way, axis), 0.0)
+    bow = np.sqrt(np.maximum(1.0 - before / full, 0.0)) + BOW * inward / full
+    nearer = np.minimum(inward, np.maximum(before - full * (1.0 - bow * bow), 0.0))
+    return way + (inward - nearer)[:, None] * axis
+
+
+def _least(rest: Rest, wanted: Wanted) -> Array:
+    """Return the nearest that the ends of each piece come to each other [m], shape (frame or 1, piece)."""
+    if not wanted.is_loose:
+        return rest.least
+    pressed = np.maximum(rest.least, np.minimum(PRESSED * rest.spine.pieces.full, rest.chords))
+    return rest.least + wanted.loose * (pressed - rest.least)
 
 
 def _apart(held: Array, moved: Array, least: Array, most: Array) -> Array:
@@ -84,19 +95,19 @@ def _apart(held: Array, moved: Array, least: Array, most: Array) -> Array:
     return (wanted / np.maximum(distance, 0.5 * least + TINY) - 1.0)[:, None] * away
 
 
-def _outward(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
+def _outward(rest: Rest, wanted: Wanted, particles: Array, least: Array, most: Array) -> None:
     """Bring each branch point within reach of the one before it, and to where its piece does not fold over."""
     before, size, carrying = rest.constraints[:, 0], rest.chords[:, 0], _Carrying(rest, particles)
     for node in range(1, particles.shape[1]):
         piece = node - 1
         away = particles[:, node] - particles[:, piece]
-        distance, least = quat.length(away), rest.least[:, piece]
-        reach = np.minimum(np.maximum(distance, least), most[:, piece])
+        distance, nearest = quat.length(away), least[:, piece]
+        reach = np.minimum(np.maximum(distance, nearest), most[:, piece])
         came = (reach / np.maximum(distance, TINY))[:, None] * away
-        folded = (quat.dot(before, away) < rest.levels[:, piece] * size * distance) | (distance < least)
+        folded = (quat.dot(before, away) < rest.levels[:, piece] * size * distance) | (distance < nearest)
         rows = np.flatnonzero(folded)
         if len(rows):
-            home, share = carrying.direction(piece), distance / np.maximum(least, TINY)
+            home, share = carrying.direction(piece), distance / np.maximum(nearest, TINY)
             own = home if len(home) == 1 else home[rows]
             came[rows] = reach[rows, None] * _unfolded(away[rows], own, share[rows])
         wanted.carry(particles, node, came - away)

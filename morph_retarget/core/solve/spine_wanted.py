@@ -31,6 +31,17 @@ class Wanted:
         """Whether each branch point has a goal that counts."""
         return [bool(own.any()) for own in self.pinned.T]
 
+    @cached_property
+    def loose(self) -> Array:
+        """How far no goal of a branch point at their ends or beyond holds pieces, shape (frame, piece)."""
+        beyond = np.maximum.accumulate(self.pinned[:, :0:-1], axis=1)
+        return 1.0 - beyond[:, ::-1]
+
+    @cached_property
+    def is_loose(self) -> bool:
+        """Whether limbs alone bend any piece, if only in part."""
+        return bool(self.loose.any())
+
     def at(self, rows: Flags) -> "Wanted":
         """Return what is wanted in some frames."""
         counts = None if self.counts is None else self.counts[rows]
@@ -49,6 +60,11 @@ class Wanted:
         particle += way
         if self.counts is not None:
             particles[:, node + 1 :] += (1.0 - self.counts[:, node + 1 :, None]) * way[:, None]
+
+    def bring(self, particles: Array, node: int) -> None:
+        """Move a branch point to its goal as far as that counts; arguments as for `carry`."""
+        if self.asked[node]:
+            self.carry(particles, node, self.pinned[:, node, None] * (self.pins[:, node] - particles[:, node]))
 
     def count_of_bone(self, spine: Spine, joint: int) -> Array:
         """Return how much anything wants of a bone, of those beyond, and of limbs that they carry, shape (frame,)."""
