@@ -113,6 +113,15 @@ class Trunk:
         """Whether several goals are delegated to one body."""
         return len(self.pinned) < len(self.pins)
 
+    def joints_to(self, node: int) -> tuple[int, ...]:
+        """Return the joints that bring a branch point to its goal: those beyond what has a goal of its own before it.
+
+        Nor do they turn what limbs hold, as feet that stand do.
+        """
+        nodes = self.spine.nodes
+        own = (*self.pinned, *(pull.node for pull in self.spine.pulls if pull.holds))
+        return self.joints[nodes[max((before for before in own if before < node), default=0)] : nodes[node]]
+
     @cached_property
     def drawn(self) -> dict[int, int]:
         """Bodies whose joints move when bones of the spine stretch, and the places of these bones among its joints."""
@@ -184,8 +193,10 @@ class Plan:
 
     def joints_of(self, body: int) -> tuple[int, ...]:
         """Return the joints that bring a body to its place, none where nothing does."""
-        if self.trunk is not None and any(pin.owner == body for pin in self.trunk.pins):
-            return self.trunk.joints
+        if self.trunk is not None:
+            for pin in self.trunk.pins:
+                if pin.owner == body:
+                    return self.trunk.joints_to(pin.node)
         own = ((wave, limb) for wave in self.waves for limb in wave.limbs)
         return next((limb.path for wave, limb in own if body in (wave.rigid or (limb.body,))), ())
 

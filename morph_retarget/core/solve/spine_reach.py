@@ -42,6 +42,7 @@ def within(rest: Rest, wanted: Wanted, particles: Array, starts: Array, most: Ar
             out[:, node - 1] += way if wanted.counts is None else wanted.counts[:, node, None] * way
     _outward(rest, wanted, out, least, most)
     _arrive(rest, wanted, out, 0, most)
+    _return(rest, wanted, out, most)
     held = rest.spine.held
     if held:  # the trunk does not leave behind what feet hold
         wanted.carry(out, held, constraints.together(_held_back(rest, wanted, out, starts, held)))
@@ -179,6 +180,18 @@ def _arrive(rest: Rest, wanted: Wanted, particles: Array, first: int, most: Arra
     ends = (lengths[..., None] * chain).sum(axis=1)
     chain = rotation.apply(rotation.between(quat.unit(ends), axis)[:, None], chain)
     particles[rows, first + 1 :] = own[:, :1] + (lengths[..., None] * chain).cumsum(axis=1)
+
+
+def _return(rest: Rest, wanted: Wanted, particles: Array, most: Array) -> None:
+    """Bring branch points back to goals of their own from where one that is farther out has drawn them."""
+    for node in range(1, len(wanted.asked) - 1):
+        if not wanted.asked[node]:
+            continue
+        rows = wanted.pinned[:, node] > 0.0
+        own, moved = wanted.at(rows), particles[rows]
+        own.bring(moved, node)
+        _arrive(rest.at(rows), own, moved, node, most if len(most) == 1 else most[rows])
+        particles[rows] += own.pinned[:, node, None, None] * (moved - particles[rows])
 
 
 def _slowed(distance: Array, chord: Array, full: Array) -> Array:
