@@ -158,6 +158,20 @@ def test_the_legs_of_a_horse_are_baked_where_they_are_without_controls(horse_fil
     assert acting.apart(own, wanted[:, legs]) < 2e-3
 
 
+@pytest.mark.parametrize("name", ["Pick Up by Mouth", "Bow on All Fours"])
+def test_a_horse_is_live_where_it_is_without_controls(horse_file: Path, name: str) -> None:
+    """Its tail as well, each bone of which copies the turn of the one before, and which does not turn with the hips."""
+    bpy.ops.wm.open_mainfile(filepath=str(horse_file))
+    ob, act = scenes.only_armature(), samples.named(name)
+    of_rig(ob).jiggles.enabled = False
+    tools_acting.play(ob, tools_acting.write(act), act)
+    names, frames, wanted = _wanted(ob)
+    ours = [i for i, own in enumerate(names) if "ear" not in own]
+    tail = [names.index(f"DEF-tail.{i:03}") for i in range(1, 6)]
+    assert np.ptp(wanted[:, tail], axis=0).max() > 0.05, "it moves"
+    assert acting.apart(scenes.heads(ob, [names[i] for i in ours], frames), wanted[:, ours]) < 2e-3
+
+
 def test_a_rig_of_which_only_the_skirt_copies_others_is_posed_by_its_bones(walk: Source) -> None:
     scenes.empty()
     ob = scenes.figure("Ann")

@@ -312,7 +312,11 @@ def _handling(stage: Stage, work: Work) -> Generator[float, None, Handling]:
         if not work.target.armature.bones[names[handle.control]].use_local_location:
             lone = skeleton.parents[handle.control] < 0
             axes[i] = np.array([1.0, 0.0, 0.0, 0.0]) if lone else parents.rotations[0, i]
-    return Handling(tuple(handles), np.array(above, dtype=np.intp), axes, neutral)
+    seen, own = stage.at(1.0), [names[handle.control] for handle in handles]
+    along = [i == NONE or reading.turns_along(seen, name, own[i]) for name, i in zip(own, above, strict=True)]
+    return Handling(
+        tuple(handles), np.array(above, dtype=np.intp), np.array(along), axes, neutral, reading.copies(seen, own)
+    )
 
 
 def _bodies(work: Work) -> Indices:

@@ -1,12 +1,14 @@
 """Control rigs as plain data: names, shapes, constraints, and by which properties drivers switch these."""
 
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import bpy
 import numpy as np
 
+from ...core import euler
 from ...core.character.control_facts import BoneFacts, Follows
+from ...core.mocap.copying import Copy
 from ..channels import Channel
 from ..rig import pose_bone, pose_of
 from .evaluating import Stage
@@ -114,6 +116,61 @@ def _counts(stage: Stage, switches: Mapping[tuple[str, str], Switch]) -> dict[tu
                 off = constraint.mute or not constraint.enabled
                 found[bone.name, constraint.name].append(0.0 if off else constraint.influence)
     return {place: (low, high) for place, (low, high) in found.items() if low > 0.0 or high > 0.0}
+
+
+def copies(ob: bpy.types.Object, names: Sequence[str]) -> dict[int, Copy]:
+    """Return which of some bones copy the local turns of others among them before their own, by their places.
+
+    Args:
+        ob: The armature, evaluated with its switches set.
+        names: The bones.
+    """
+    place, out = {name: i for i, name in enumerate(names)}, dict[int, Copy]()
+    for name, i in place.items():
+        bone = pose_bone(ob, name)
+        for constraint in bone.constraints:
+            if (
+                isinstance(constraint, bpy.types.CopyRotationConstraint)
+                and constraint.subtarget in place
+                and constraint.mix_mode == "BEFORE"
+                and constraint.owner_space == constraint.target_space == "LOCAL"
+                and constraint.influence == 1.0
+                and constraint.enabled
+                and not (constraint.mute or constraint.invert_x or constraint.invert_y or constraint.invert_z)
+            ):
+                axes = constraint.use_x, constraint.use_y, constraint.use_z
+                out[i] = Copy(place[constraint.subtarget], axes, _order(bone, constraint))
+    return out
+
+
+def turns_along(ob: bpy.types.Object, name: str, carrier: str) -> bool:
+    """Return whether a bone turns as what carries it does: not where a mechanism between them copies another's turn.
+
+    Args:
+        ob: The armature, evaluated with its switches set.
+        name: The bone.
+        carrier: The bone that carries it.
+    """
+    bone = pose_bone(ob, name).parent
+    while bone is not None and bone.name != carrier:
+        for constraint in bone.constraints:
+            if (
+                isinstance(constraint, bpy.types.CopyRotationConstraint)
+                and "LOCAL" not in constraint.owner_space
+                and constraint.subtarget != carrier
+                and constraint.influence == 1.0
+                and constraint.enabled
+                and not constraint.mute
+            ):
+                return False
+        bone = bone.parent
+    return True
+
+
+def _order(bone: bpy.types.PoseBone, constraint: bpy.types.CopyRotationConstraint) -> str:
+    """Return the order of the Euler angles that a bone copies: its own, unless the constraint says otherwise."""
+    order = bone.rotation_mode if constraint.euler_order == "AUTO" else constraint.euler_order
+    return order if order in euler.ORDERS else euler.ORDERS[0]
 
 
 def setting(bone: str, prop: str, values: np.ndarray) -> Channel:

@@ -3,11 +3,12 @@
 A control turns as the bone turns that follows it, so where it shall be is known: its place in the neutral pose, turned
 and moved like the bone. What its channels must hold depends on what carries it, which mechanisms between controls may
 decide in any way. That is seen rather than modelled: Blender evaluates the channels, and where a control came to lie
-tells what carried it. With the carriers known, the first answer is exact on plain trees; on others each further one
-settles at least one more level.
+tells what carried it. With the carriers known, and what copies whose turn, the first answer is exact on plain trees; on
+others each further one settles at least one more level.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from .. import quat
 from ..arrays import Array, Flags, Indices
 from ..character.frame import Placement
 from ..skeleton import Skeleton
-from . import root_motion
+from . import copying, root_motion
+from .copying import Copy
 from .links import NONE, Links
 from .motion import Motion
 from .plan import Plan
@@ -72,10 +74,14 @@ class Handling:
     handles: tuple[Handle, ...]
     carrier: Indices
     """Handle that carries each handle, NONE where none does, shape (handle,)."""
+    turns_along: Flags
+    """Whether a handle turns as what carries it does, or is only moved by that, shape (handle,)."""
     axes: Array
     """Along which locations count in the neutral pose, shape (handle, 4)."""
     neutral: Seen
     """One frame of the rig with all controls at rest and all switches set."""
+    copies: Mapping[int, Copy] = field(default_factory=dict[int, Copy])
+    """What handles copy of the turns of others."""
 
     def start(self, frames: int) -> Values:
         """Return the channels of the neutral pose."""
@@ -229,7 +235,9 @@ def solve(handling: Handling, goal: Goal, values: Values, seen: Seen) -> Values:
     ours = np.flatnonzero(handling.carrier != NONE)
     above = handling.carrier[ours]
     moves = quat.multiply(goal.rotations[:, above], quat.conjugate(seen.rotations[:, above]))
-    turned[:, ours] = quat.multiply(moves, carried[:, ours])
+    turned[:, ours] = np.where(
+        handling.turns_along[ours][:, None], quat.multiply(moves, carried[:, ours]), carried[:, ours]
+    )
     starts = seen.positions[:, above]
     ends = np.where(handling.placed[above][:, None], goal.positions[:, above], starts)
     positions[:, ours] = ends + quat.rotate(moves, seen.positions[:, ours] - starts)
@@ -237,6 +245,7 @@ def solve(handling: Handling, goal: Goal, values: Values, seen: Seen) -> Values:
     for i, handle in enumerate(handling.handles):
         if handle.limb is not None:
             rotations[:, i] = quat.IDENTITY
+    rotations = copying.parted(handling.copies, values.rotations, rotations)
     start = quat.multiply(turned, quat.conjugate(handling.neutral.rotations))
     axes = quat.multiply(start, handling.axes)
     steps = quat.rotate(quat.conjugate(axes), goal.positions - positions)
