@@ -17,6 +17,8 @@ from morph_retarget.core.character.analysis import analyze
 from morph_retarget.core.character.character import Character
 from morph_retarget.core.solve import posing
 from morph_retarget.core.solve.goals import Goals
+from morph_retarget.core.solve.plan import Plan
+from morph_retarget.core.solve.settings import SolverSettings
 from tests import goal_sets, pose_measures
 from tests.conftest import DATA
 from tests.goal_sets import Sets, Subject
@@ -274,11 +276,13 @@ def _figures(names: Sequence[str], found: Findings) -> Iterator[Figure]:
 def _speeds() -> list[Figure]:
     """Return the times of a frame in a batch and alone, and how they grow with the bodies."""
     adult = Subject(analyze(skeleton_of(humanoid(1.75, build=BUILD), np.random.default_rng(0))))
-    batch, alone = _times(adult)
+    batch, alone = _times(adult, adult.plan)
+    still_batch, still_alone = _times(adult, _without_bending(adult))
     print(f"\n{len(adult.bodies)} bodies, {len(adult.goals)} goals: ", end="")
     print(f"{short(1e6 * batch)} µs a frame in a batch of {FRAMES}, {short(1e6 * alone)} µs alone")
+    print(f"the same, whose spine does not bend: {short(1e6 * still_batch)} µs, {short(1e6 * still_alone)} µs alone")
     crowd = [Subject(analyze(skeleton_of(centipede(bodies)))) for bodies in BODIES]
-    times = [_times(subject) for subject in crowd]
+    times = [_times(subject, subject.plan) for subject in crowd]
     for subject, (together, single) in zip(crowd, times, strict=True):
         counts = f"centipede, {len(subject.bodies)} bodies, {len(subject.goals)} goals"
         print(f"{counts}: {short(1e6 * together)} µs a frame in a batch, {short(1e6 * single)} µs alone")
@@ -286,13 +290,20 @@ def _speeds() -> list[Figure]:
     return [
         Figure("ik: 25 bodies and 6 goals, in a batch of 250", 1e6 * batch, "µs a frame", 20.0),
         Figure("ik: 25 bodies and 6 goals, one frame alone", 1e6 * alone, "µs", 500.0),
+        Figure("ik: the same without Bend Spine, in a batch", 1e6 * still_batch, "µs a frame", 20.0),
+        Figure("ik: the same without Bend Spine, one frame alone", 1e6 * still_alone, "µs", 500.0),
         Figure(f"ik: time a body, {BODIES[-1]} bodies over {BODIES[0]}", most / least, "", 1.25),
     ]
 
 
-def _times(subject: Subject) -> tuple[float, float]:
+def _without_bending(subject: Subject) -> Plan:
+    """Return how the same goals are met by limbs alone, as characters do unless they are told to bend their spines."""
+    wanted = [(int(body), True, True) for body in subject.goals]
+    return posing.prepare(subject.character, subject.bodies.positions, subject.root, wanted, SolverSettings())
+
+
+def _times(subject: Subject, plan: Plan) -> tuple[float, float]:
     """Return the times of a frame in a batch and alone, places of all bodies included [s]."""
-    plan = subject.plan
     goals = _sets(subject, FRAMES).goals
     one = goal_sets.rows(goals, slice(0, 1))
     batch, alone = medians(
