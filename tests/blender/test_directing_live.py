@@ -9,6 +9,7 @@ import pytest
 
 from morph_retarget.blender.locomotion import walks
 from morph_retarget.blender.morph import cast
+from morph_retarget.blender.properties import of_rig
 from morph_retarget.core.arrays import Array
 from tests.blender import acting, acts, directed, scenes
 from tests.blender.directed import own
@@ -82,6 +83,22 @@ def test_an_edit_of_what_it_is_told_is_followed_at_once_and_taken_back(
     assert scenes.difference(pose(), before) < NEAR
     bpy.ops.ed.redo()
     assert scenes.difference(pose(), after) < NEAR
+
+
+@pytest.mark.parametrize("enters", ["commands", "speed"])
+def test_what_makes_a_character_go_can_be_changed_at_any_time(enters: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Commands lead all of its bones, and a gait only some: what it was found to have goals for is found anew."""
+    ob = _directed()
+    gait = of_rig(ob).gait
+    if enters == "commands":
+        gait.source = "SPEED"
+        _pose(ob)
+    before = _pose(ob)
+    gait.source = "COMMANDS" if enters == "commands" else "SPEED"
+    assert np.abs(_pose(ob) - before).max() > NEAR
+    gait.source = "SPEED" if enters == "commands" else "COMMANDS"
+    np.testing.assert_allclose(_pose(ob), before, atol=NEAR)
+    assert "Traceback" not in capsys.readouterr().err
 
 
 def test_a_character_that_is_scaled_to_nothing_stays_and_why_is_told() -> None:

@@ -108,7 +108,7 @@ class MORPHRETARGET_PG_gait(bpy.types.PropertyGroup):
         name="Goes By",
         description="What makes the character go",
         items=_SOURCES,
-        **fixed(tell_course),
+        **_MANNER,
     )
     speed: _number(
         "Speed",
