@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from morph_retarget.blender import actions, retarget
+from morph_retarget.blender.controls import reading
 from morph_retarget.blender.morph import bake, cast, jiggles, perform
 from morph_retarget.blender.properties import of_rig, of_scene
 from morph_retarget.blender.retarget import Source
@@ -170,6 +171,21 @@ def test_a_horse_is_live_where_it_is_without_controls(horse_file: Path, name: st
     tail = [names.index(f"DEF-tail.{i:03}") for i in range(1, 6)]
     assert np.ptp(wanted[:, tail], axis=0).max() > 0.05, "it moves"
     assert acting.apart(scenes.heads(ob, [names[i] for i in ours], frames), wanted[:, ours]) < 2e-3
+
+
+def test_bones_of_other_armatures_are_not_what_controls_copy(horse_file: Path) -> None:
+    """They may have the same names."""
+    bpy.ops.wm.open_mainfile(filepath=str(horse_file))
+    ob = scenes.only_armature()
+    graph, names = bpy.context.evaluated_depsgraph_get(), ["tail.001", "tail.002", "tail.003"]
+    found = reading.copies(ob.evaluated_get(graph), names)
+    assert {i: copy.source for i, copy in found.items()} == {1: 0, 2: 1}
+    other = bpy.data.objects.new("Other", ob.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    for constraint in ob.pose.bones["tail.003"].constraints:
+        constraint.target = other
+    graph.update()
+    assert set(reading.copies(ob.evaluated_get(graph), names)) == {1}
 
 
 def test_a_rig_of_which_only_the_skirt_copies_others_is_posed_by_its_bones(walk: Source) -> None:

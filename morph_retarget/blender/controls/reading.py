@@ -1,7 +1,7 @@
 """Control rigs as plain data: names, shapes, constraints, and by which properties drivers switch these."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import bpy
 import numpy as np
@@ -128,18 +128,13 @@ def copies(ob: bpy.types.Object, names: Sequence[str]) -> dict[int, Copy]:
     place, out = {name: i for i, name in enumerate(names)}, dict[int, Copy]()
     for name, i in place.items():
         bone = pose_bone(ob, name)
-        for constraint in bone.constraints:
-            if (
-                isinstance(constraint, bpy.types.CopyRotationConstraint)
-                and constraint.subtarget in place
-                and constraint.mix_mode == "BEFORE"
-                and constraint.owner_space == constraint.target_space == "LOCAL"
-                and constraint.influence == 1.0
-                and constraint.enabled
-                and not (constraint.mute or constraint.invert_x or constraint.invert_y or constraint.invert_z)
-            ):
+        for constraint in _copying(bone):
+            source = next((place[other] for other in targets(ob, constraint) if other in place), None)
+            is_local = constraint.owner_space == constraint.target_space == "LOCAL"
+            is_inverted = constraint.invert_x or constraint.invert_y or constraint.invert_z
+            if source is not None and is_local and not is_inverted and constraint.mix_mode == "BEFORE":
                 axes = constraint.use_x, constraint.use_y, constraint.use_z
-                out[i] = Copy(place[constraint.subtarget], axes, _order(bone, constraint))
+                out[i] = Copy(source, axes, _order(bone, constraint))
     return out
 
 
@@ -153,18 +148,20 @@ def turns_along(ob: bpy.types.Object, name: str, carrier: str) -> bool:
     """
     bone = pose_bone(ob, name).parent
     while bone is not None and bone.name != carrier:
-        for constraint in bone.constraints:
-            if (
-                isinstance(constraint, bpy.types.CopyRotationConstraint)
-                and "LOCAL" not in constraint.owner_space
-                and constraint.subtarget != carrier
-                and constraint.influence == 1.0
-                and constraint.enabled
-                and not constraint.mute
-            ):
-                return False
+        whole = (c for c in _copying(bone) if c.mix_mode == "REPLACE" and c.use_x and c.use_y and c.use_z)
+        copied = (constraint for constraint in whole if "LOCAL" not in constraint.owner_space)
+        if any(carrier not in targets(ob, constraint) for constraint in copied):
+            return False
         bone = bone.parent
     return True
+
+
+def _copying(bone: bpy.types.PoseBone) -> Iterator[bpy.types.CopyRotationConstraint]:
+    """Yield the constraints by which a bone copies turns in full."""
+    for constraint in bone.constraints:
+        counts = constraint.enabled and not constraint.mute and constraint.influence == 1.0
+        if counts and isinstance(constraint, bpy.types.CopyRotationConstraint):
+            yield constraint
 
 
 def _order(bone: bpy.types.PoseBone, constraint: bpy.types.CopyRotationConstraint) -> str:
